@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "command_line.h"
+
+#include <boost/program_options.hpp>
+
+#include <filesystem>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    namespace po = boost::program_options;
+
+    po::options_description
+    options()
+    {
+      po::options_description options("Options", 100);
+      // clang-format off
+      options.add_options()
+        ("output", po::value<std::string>()->value_name("DIR"),
+         "folder for the results; when not given output/NAME, NAME being the folder of a case called "
+         "case.json, else the name of the file without .json")
+        ("overwrite", "allow DIR to hold files; those of the same name are replaced")
+        ("set", po::value<std::vector<std::string>>()->composing()->value_name("/POINTER=VALUE"),
+         "change the case: VALUE is JSON, or else a text; may be repeated")
+        ("plugin-path", po::value<std::vector<std::string>>()->composing()->value_name("DIR"),
+         "look for plugins here first, then in FEIB_PLUGIN_PATH, then where Feib keeps its own; may be repeated")
+        ("validate", "check the case and build everything, run nothing, write nothing")
+        ("list-plugins", "what was found, and why a plugin was skipped")
+        ("describe", po::value<std::string>()->value_name("NAME"), "the parameters of a component")
+        ("json", "with --describe: its JSON Schema")
+        ("schema", "print the JSON Schema of cases, for the plugins found")
+        ("log-level", po::value<std::string>()->default_value("info")->value_name("L"),
+         "trace, debug, info, warning, error or off")
+        ("version", "print the version")
+        ("help", "print this");
+      // clang-format on
+      return options;
+    }
+
+
+
+    std::string
+    default_output(const std::string &case_file)
+    {
+      const std::filesystem::path file   = std::filesystem::absolute(case_file).lexically_normal();
+      const std::filesystem::path folder = file.parent_path().filename();
+      const bool named_by_folder         = file.filename() == "case.json" && !folder.empty();
+      return (std::filesystem::path("output") / (named_by_folder ? folder : file.stem())).string();
+    }
+  } // namespace
+
+
+
+  CommandLine::CommandLine(const int argc, const char *const *argv)
+  {
+    po::variables_map values;
+    try
+      {
+        po::options_description all = options();
+        all.add_options()("case", po::value<std::vector<std::string>>());
+        po::positional_options_description positional;
+        positional.add("case", -1);
+        po::store(po::command_line_parser(argc, argv)
+                    .options(all)
+                    .positional(positional)
+                    .style(po::command_line_style::allow_long |
+                           po::command_line_style::long_allow_adjacent |
+                           po::command_line_style::long_allow_next)
+                    .run(),
+                  values);
+      }
+    catch (const po::unknown_option &failure)
+      {
+        throw Error("unknown option " + failure.get_option_name() + "; see feib-host --help");
+      }
+    catch (const po::error &failure)
+      {
+        throw Error(std::string(failure.what()) + "; see feib-host --help");
+      }
+
+    validate     = values.count("validate") != 0;
+    list_plugins = values.count("list-plugins") != 0;
+    json         = values.count("json") != 0;
+    schema       = values.count("schema") != 0;
+    version      = values.count("version") != 0;
+    show_help    = values.count("help") != 0;
+    overwrite    = values.count("overwrite") != 0;
+    log_level    = values["log-level"].as<std::string>();
+    if (values.count("plugin-path") != 0)
+      plugin_path = values["plugin-path"].as<std::vector<std::string>>();
+    if (values.count("describe") != 0)
+      describe = values["describe"].as<std::string>();
+    if (values.count("set") != 0)
+      for (const std::string &setting : values["set"].as<std::vector<std::string>>())
+        {
+          const std::size_t equals = setting.find('=');
+          if (equals == std::string::npos)
+            throw Error("--set " + setting + " has no value; write --set /json/pointer=VALUE");
+          settings.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
+        }
+    if (json && describe.empty())
+      throw Error("--json goes with --describe NAME");
+
+    const auto cases = values.count("case") != 0 ? values["case"].as<std::vector<std::string>>() :
+                                                   std::vector<std::string>();
+    if (cases.size() > 1)
+      throw Error("one case at a time, found " + cases[0] + " and " + cases[1]);
+    if (!cases.empty())
+      case_file = cases[0];
+    else if (describe.empty() && !list_plugins && !schema && !version && !show_help)
+      throw Error("which case? feib-host CASE.json runs it; see feib-host --help");
+    output = values.count("output") != 0 ? values["output"].as<std::string>() : default_output(case_file);
+  }
+
+
+
+  std::string
+  CommandLine::help()
+  {
+    std::ostringstream text;
+    text << "feib-host CASE.json [options]\n"
+            "Runs an immersed fluid-structure simulation.\n\n"
+         << options()
+         << "\nExit codes: 0 done, 1 trouble while running, 2 a case or a command line that cannot be run.\n";
+    return text.str();
+  }
+} // namespace feib

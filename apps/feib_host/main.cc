@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "command_line.h"
+
+#include <feib/log.h>
+#include <feib/plugin_loader.h>
+#include <feib/schema.h>
+#include <feib/simulation.h>
+#include <feib/version.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+namespace
+{
+  using namespace feib;
+
+  volatile std::sig_atomic_t signal_received = 0;
+
+  /// Asks the run to stop; a second signal ends the program at once.
+  extern "C" void
+  on_signal(const int number)
+  {
+    signal_received = number;
+    std::signal(number, SIG_DFL);
+  }
+
+
+
+  bool
+  speaks()
+  {
+    return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+  }
+
+
+
+  void
+  print(const std::string &text)
+  {
+    if (speaks())
+      std::cout << text << std::flush;
+  }
+
+
+
+  void
+  complain(const std::string &text)
+  {
+    log::status("");
+    if (speaks())
+      std::cerr << text << std::flush;
+  }
+
+
+
+  /// What rank 0 finds, known to all.
+  std::string
+  on_rank_0(const std::function<std::string()> &find)
+  {
+    return dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, speaks() ? find() : std::string());
+  }
+
+
+
+  std::string
+  plugin_table(const PluginLoader &loader, const std::vector<std::string> &path)
+  {
+    std::ostringstream text;
+    text << "Looked in:\n";
+    for (const std::string &directory : path)
+      text << "  " << directory << '\n';
+    text << "Plugins:\n";
+    for (const PluginLoader::Result &plugin : loader.results())
+      if (plugin.accepted)
+        {
+          text << "  " << plugin.plugin << " " << plugin.version << "  (" << plugin.file << ")\n";
+          for (const std::string &component : plugin.components)
+            text << "    " << component << '\n';
+        }
+    text << "Skipped:\n";
+    for (const PluginLoader::Result &plugin : loader.results())
+      if (!plugin.accepted)
+        text << "  " << plugin.file << ": " << plugin.reason << '\n';
+    return text.str();
+  }
+
+
+
+  /// The component called @p name, or "kind/name" where several kinds have it.
+  Registry::Entry
+  find_component(const Registry &registry, const std::string &name)
+  {
+    std::vector<Registry::Entry> found;
+    std::string                  all;
+    for (const Registry::Entry &entry : registry.entries())
+      {
+        const std::string full = entry.kind + "/" + entry.name;
+        all += "\n  " + full;
+        if (entry.name == name || full == name)
+          found.push_back(entry);
+      }
+    if (found.size() == 1)
+      return found[0];
+    throw Error((found.empty() ? "there is no component \"" : "there are several components \"") + name +
+                "\"; " + (all.empty() ? "no plugin provides any" : "the components are" + all));
+  }
+
+
+
+  /// What forbids to write into a folder, or "".
+  std::string
+  refusal(const std::string &directory, const bool overwrite)
+  {
+    std::error_code problem;
+    if (!std::filesystem::exists(directory, problem))
+      return "";
+    if (!std::filesystem::is_directory(directory, problem))
+      return "the output folder " + directory + " is a file";
+    if (!overwrite && !std::filesystem::is_empty(directory, problem))
+      return "the output folder " + directory +
+             " is not empty; choose another with --output, or allow this one with --overwrite";
+    return "";
+  }
+
+
+
+  /// Makes the folder and puts the exact run there.
+  void
+  prepare(const std::string &directory, const std::string &resolved)
+  {
+    const std::string problem = on_rank_0([&]() -> std::string {
+      std::error_code error;
+      std::filesystem::create_directories(directory, error);
+      if (error)
+        return "cannot make the folder " + directory + ": " + error.message();
+      std::ofstream file(std::filesystem::path(directory) / "resolved.json");
+      file << resolved << '\n' << std::flush;
+      return file ? "" : "cannot write into " + directory;
+    });
+    if (!problem.empty())
+      throw RunFailure(problem);
+    log::open_file((std::filesystem::path(directory) / "log.txt").string());
+  }
+
+
+
+  std::string
+  duration(const double seconds)
+  {
+    const auto         whole = static_cast<unsigned long>(seconds + 0.5);
+    std::ostringstream text;
+    if (whole >= 3600)
+      text << whole / 3600 << " h " << whole / 60 % 60 << " min";
+    else if (whole >= 60)
+      text << whole / 60 << " min " << whole % 60 << " s";
+    else
+      text << whole << " s";
+    return text.str();
+  }
+
+
+
+  void
+  show(const Progress &progress)
+  {
+    const double       share = std::min(1., progress.time / progress.end);
+    std::ostringstream line;
+    line << std::fixed << std::setprecision(1) << std::setw(5) << 100 * share << " %  step " << progress.step
+         << std::defaultfloat << std::setprecision(4) << "  time " << progress.time << " of "
+         << progress.end;
+    if (share > 0)
+      line << "  " << duration(progress.wall_seconds * (1 - share) / share) << " left";
+    log::status(line.str());
+  }
+
+
+
+  /// Whether any rank was told to stop.
+  bool
+  stop_requested()
+  {
+    signal_received =
+      dealii::Utilities::MPI::max(static_cast<int>(signal_received), MPI_COMM_WORLD);
+    return signal_received != 0;
+  }
+
+
+
+  void
+  run(Simulation &simulation, const CommandLine &command, const Case &description)
+  {
+    prepare(command.output, description.resolved());
+    log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+    simulation.run({command.output, show, stop_requested});
+    log::status("");
+    if (stop_requested())
+      throw RunFailure(std::string("stopped by signal ") + strsignal(signal_received));
+    log::info("done, results in " + command.output);
+  }
+
+
+
+  /// Returns the exit code. Throws Error and RunFailure on all ranks alike.
+  int
+  execute(const CommandLine &command)
+  {
+    if (command.show_help)
+      return print(CommandLine::help()), 0;
+    if (command.version)
+      return print("feib-host " + version() + "\n"), 0;
+    log::set_level(command.log_level);
+
+    const std::vector<std::string> path = PluginLoader::search_path(command.plugin_path);
+    Registry                       registry;
+    PluginLoader                   loader(registry);
+    for (const std::string &directory : path)
+      loader.load_directory(directory);
+    if (command.list_plugins)
+      return print(plugin_table(loader, path)), 0;
+    for (const PluginLoader::Result &plugin : loader.results())
+      if (!plugin.accepted)
+        log::debug(plugin.file + " skipped: " + plugin.reason);
+
+    if (!command.describe.empty())
+      {
+        const Registry::Entry entry = find_component(registry, command.describe);
+        const Schema          schema(entry.schema);
+        return print(command.json ? schema.text() + "\n" :
+                                    entry.kind + "/" + entry.name + ", from " + entry.plugin + "\n" +
+                                      schema.describe()),
+               0;
+      }
+    if (command.schema)
+      return print(Schema::compose(registry).text() + "\n"), 0;
+
+    if (!command.validate)
+      if (const std::string problem =
+            on_rank_0([&] { return refusal(command.output, command.overwrite); });
+          !problem.empty())
+        throw Error(problem);
+
+    const std::string           text = Case::read(command.case_file);
+    std::unique_ptr<Case>       description;
+    std::unique_ptr<Simulation> simulation;
+    try
+      {
+        description = std::make_unique<Case>(text, command.case_file, registry, command.settings);
+        simulation  = Simulation::create(*description);
+      }
+    catch (const Error &error)
+      {
+        complain(Case::format(error.issues(), text, command.case_file, command.settings));
+        return 2;
+      }
+    if (command.validate)
+      return print(command.case_file + " is valid\n"), 0;
+    run(*simulation, command, *description);
+    return 0;
+  }
+
+
+
+  /// An exception that perhaps only this rank has met: the others would wait for ever.
+  int
+  give_up(const std::string &what)
+  {
+    log::status("");
+    std::cerr << "error: " << what << std::endl;
+    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    return 1;
+  }
+} // namespace
+
+
+
+int
+main(int argc, char **argv)
+{
+  // The libraries underneath have options of their own with the same names: they get to see none.
+  int                                      only_the_name = 1;
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);
+  try
+    {
+      return execute(CommandLine(argc, argv));
+    }
+  catch (const Error &error)
+    {
+      for (const Issue &issue : error.issues())
+        complain("error: " + (issue.pointer.empty() ? "" : issue.pointer + ": ") + issue.message + "\n");
+      return 2;
+    }
+  catch (const RunFailure &failure)
+    {
+      log::status("");
+      log::error(failure.what());
+      return 1;
+    }
+  catch (const std::bad_alloc &)
+    {
+      return give_up("out of memory");
+    }
+  catch (const std::exception &failure)
+    {
+      return give_up(failure.what());
+    }
+}

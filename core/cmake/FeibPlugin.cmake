@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+
+# feib_embed(<target> <file>...): for x/y.schema.json, writes y_schema.h, which defines the text as
+# y_schema (dots and dashes of the name become underscores), where the target's sources can include it.
+function(feib_embed target)
+  foreach(file IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH file)
+    cmake_path(GET file FILENAME name)
+    string(REGEX REPLACE "\\.json$" "" name ${name})
+    string(REGEX REPLACE "[.-]" "_" name ${name})
+    set(header ${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.h)
+    file(READ ${file} text)
+    file(CONFIGURE OUTPUT ${header} CONTENT
+      "static const char ${name}[] = R\"feib-json(@text@)feib-json\";\n" @ONLY)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  endforeach()
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+endfunction()
+
+# feib_precompile(<target>) uses the precompiled header of Feib's own build. It was compiled with -fPIC,
+# which all of its users must share, programs too.
+function(feib_precompile target)
+  if(TARGET feib_precompiled)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC)
+    target_precompile_headers(${target} REUSE_FROM feib_precompiled)
+  endif()
+endfunction()
+
+# feib_add_plugin(<name> SOURCES <file>... SCHEMAS <file>.schema.json... [TESTS <file>...]
+#                 [LIBRARIES <library>...])
+# builds <name>.feib.so with the schemas embedded, and a GoogleTest that loads it.
+function(feib_add_plugin name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;SCHEMAS;TESTS;LIBRARIES")
+  add_library(${name} MODULE ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES
+    PREFIX "" SUFFIX ".feib.so" LIBRARY_OUTPUT_DIRECTORY ${FEIB_PLUGIN_OUTPUT_DIRECTORY})
+  target_link_libraries(${name} PRIVATE Feib::core ${arg_LIBRARIES})
+  target_link_options(${name} PRIVATE -Wl,--no-undefined)
+  feib_embed(${name} ${arg_SCHEMAS})
+  feib_precompile(${name})
+  install(TARGETS ${name} LIBRARY DESTINATION lib/feib/plugins)
+  if(TARGET feib_run)
+    add_dependencies(feib_run ${name})
+  endif()
+  if(arg_TESTS AND FEIB_TESTS)
+    feib_add_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${arg_LIBRARIES})
+    add_dependencies(${name}_test ${name})
+  endif()
+endfunction()
+
+# feib_add_test(<name> SOURCES <file>... [LIBRARIES <library>...] [RANKS <n>...] [LABELS <label>...]
+#               [TIMEOUT <seconds>])
+# builds a GoogleTest program and registers it with ctest once for each number of MPI ranks.
+# The tests find the plugins of the build tree.
+function(feib_add_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LIBRARIES;RANKS;LABELS")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE Feib::testing ${arg_LIBRARIES})
+  feib_precompile(${name})
+  if(NOT arg_RANKS)
+    set(arg_RANKS 1)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 600)
+  endif()
+  foreach(ranks IN LISTS arg_RANKS)
+    feib_test_on_ranks(${name} ${ranks} TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS})
+  endforeach()
+endfunction()
+
+# feib_test_on_ranks(<name> <ranks> [LABELS <label>...] [TIMEOUT <seconds>])
+# registers a program of feib_add_test() with ctest, run on that many MPI ranks.
+function(feib_test_on_ranks name ranks)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "TIMEOUT" "LABELS")
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 600)
+  endif()
+  if(ranks EQUAL 1)
+    set(test ${name})
+    add_test(NAME ${test} COMMAND ${name})
+  else()
+    set(test ${name}_np${ranks})
+    add_test(NAME ${test}
+      COMMAND ${MPIEXEC_EXECUTABLE} -np ${ranks} --oversubscribe $<TARGET_FILE:${name}>)
+  endif()
+  set_tests_properties(${test} PROPERTIES
+    PROCESSORS ${ranks} TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}"
+    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_hwloc_base_binding_policy=none")
+endfunction()

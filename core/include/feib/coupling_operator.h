@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_coupling_operator_h
+#define feib_coupling_operator_h
+
+#include <feib/eulerian_space.h>
+#include <feib/lagrangian_points.h>
+#include <feib/parameters.h>
+
+namespace feib
+{
+  /// One linear map J, from an Eulerian velocity to the velocities of points that ride on a
+  /// structure, and its exact transpose: (J^T f) . v = f . (J v) to round-off, whatever J is, so
+  /// that power is conserved. One object serves one structure and one set of points.
+  ///
+  /// A coupling is given the structure's mesh and positions, not only the points, so that it may
+  /// integrate along segments and facets; and on the fluid's side the cells with their local values
+  /// (EulerianSpace::cells), so that it may evaluate a reconstruction of the velocity.
+  template <int dim>
+  class CouplingOperator
+  {
+  public:
+    static constexpr const char *kind = "coupling_operator";
+
+    virtual ~CouplingOperator() = default;
+
+    /// Fixes the geometry: J at the positions X. Collective. Throws RunFailure when a point is not
+    /// in the box or not finite.
+    virtual void set_geometry(const EulerianSpace<dim> &space,
+                              const LagrangianMesh<dim> &mesh,
+                              const Positions<dim> &X,
+                              const LagrangianPoints &points) = 0;
+
+    /// U = J u, one velocity per point, the same on all ranks. @p u has its constraints distributed
+    /// and its ghost values up to date. Collective.
+    virtual void interpolate(const EulerianSpace<dim> &space,
+                             const VelocityVector &u,
+                             NodalField<dim> &U) const = 0;
+
+    /// rhs += J^T f on all degrees of freedom, constrained ones too (EulerianSpace::condense comes
+    /// after). @p f is the same on all ranks; @p rhs is compressed on return. Collective.
+    virtual void spread(const EulerianSpace<dim> &space,
+                        const NodalField<dim> &f,
+                        VelocityVector &rhs) const = 0;
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_eulerian_space_h
+#define feib_eulerian_space_h
+
+#include <feib/cartesian_forest.h>
+#include <feib/domain.h>
+
+#include <deal.II/base/partitioner.h>
+#include <deal.II/distributed/tria.h>
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/fe_dgp.h>
+#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/mapping_cartesian.h>
+#include <deal.II/lac/affine_constraints.h>
+#include <deal.II/lac/la_parallel_vector.h>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace feib
+{
+  using VelocityVector = dealii::LinearAlgebra::distributed::Vector<double>;
+  using PressureVector = dealii::LinearAlgebra::distributed::Vector<double>;
+
+  /// The mesh of the box, the Q2 velocity and discontinuous P1 pressure spaces on it, their
+  /// constraints and the state of the fluid: what solver, couplings, refinement and output share.
+  ///
+  /// Cells are offered twice: as deal.II iterators, and as flat arrays (cells(), velocity_dofs(),
+  /// pressure_dofs()) for loops that run in every step.
+  template <int dim>
+  class EulerianSpace
+  {
+  public:
+    /// Velocity nodes of a cell and velocity unknowns of a cell.
+    static constexpr unsigned int n_nodes    = dim == 2 ? 9 : 27;
+    static constexpr unsigned int n_velocity = dim * n_nodes;
+    static constexpr unsigned int n_pressure = dim + 1;
+
+    /// A locally owned cell.
+    struct Cell
+    {
+      dealii::Point<dim> lower;
+      dealii::Tensor<1, dim> size;
+      unsigned int level;
+    };
+
+    EulerianSpace(Domain<dim> domain, MPI_Comm communicator = MPI_COMM_WORLD);
+    EulerianSpace(const EulerianSpace &) = delete;
+
+    // --- mesh and spaces
+
+    const Domain<dim> &domain() const;
+    MPI_Comm communicator() const;
+    const dealii::parallel::distributed::Triangulation<dim> &triangulation() const;
+    const dealii::DoFHandler<dim> &velocity_handler() const;
+    const dealii::DoFHandler<dim> &pressure_handler() const;
+    const dealii::MappingCartesian<dim> &mapping() const;
+
+    /// Hanging nodes, periodicity and velocity boundary conditions at the time of set_time().
+    const dealii::AffineConstraints<double> &constraints() const;
+
+    /// Counts the changes of mesh and spaces; what depends on them compares it.
+    unsigned int revision() const;
+
+    /// Marks and executes refinement until @p mark sets no flag on any rank (or once only), moving
+    /// the state to the new mesh when there is one. Returns whether the mesh changed. Collective.
+    using Mark = std::function<void(dealii::parallel::distributed::Triangulation<dim> &)>;
+    bool adapt(const Mark &mark, bool repeat);
+
+    /// Evaluates the velocity boundary conditions at time t.
+    void set_time(double t);
+
+    // --- flat access to the locally owned cells
+
+    const std::vector<Cell> &cells() const;
+
+    /// The local indices (VelocityVector::local_element) of the velocity unknowns of cell @p c:
+    /// n_velocity of them, component by component, nodes lexicographic (x fastest) at 0, 1/2, 1.
+    const unsigned int *
+    velocity_dofs(const unsigned int c) const
+    {
+      return &velocity_dof_table[c * n_velocity];
+    }
+
+    /// The local indices of the pressure unknowns of cell @p c, in the order of FE_DGP(1); the
+    /// first basis function is 1.
+    const unsigned int *
+    pressure_dofs(const unsigned int c) const
+    {
+      return &pressure_dof_table[c * n_pressure];
+    }
+
+    const CartesianForest<dim> &forest() const;
+
+    /// The smallest edge of any cell, over all ranks: h_x.
+    double smallest_edge() const;
+
+    /// Values of the n_nodes scalar shape functions at a place of the unit cell.
+    static void shape_values(const dealii::Point<dim> &unit, double *values);
+
+    // --- vectors
+
+    /// A zero velocity (pressure) with ghost entries for the cells this rank knows.
+    VelocityVector make_velocity() const;
+    PressureVector make_pressure() const;
+
+    /// From a compressed vector over all degrees of freedom to the constrained space: the value of
+    /// a constrained unknown is given to its masters (C^T) and set to zero. Boundary values count
+    /// as zero.
+    void condense(VelocityVector &v) const;
+
+    /// Sets constrained entries from their masters. With @p homogeneous, prescribed values count as
+    /// zero.
+    void distribute(VelocityVector &v, bool homogeneous) const;
+
+    // --- the state
+
+    VelocityVector velocity;       ///< u at the end of the present step
+    VelocityVector old_velocity;   ///< u^n, the last accepted state
+    VelocityVector older_velocity; ///< u^{n-1}
+    PressureVector pressure;
+    double old_dt = 0; ///< t^n - t^{n-1}; 0 before the second step
+
+  private:
+    void distribute_dofs();
+    void make_constraints(double t);
+    void flatten_constraints();
+
+    Domain<dim> box;
+    MPI_Comm mpi_communicator;
+    dealii::parallel::distributed::Triangulation<dim> mesh;
+    dealii::MappingCartesian<dim> cartesian_mapping;
+    dealii::FESystem<dim> velocity_fe;
+    dealii::FE_DGP<dim> pressure_fe;
+    dealii::DoFHandler<dim> velocity_dof_handler, pressure_dof_handler;
+    dealii::AffineConstraints<double> velocity_constraints;
+    dealii::IndexSet relevant_velocity;
+    std::shared_ptr<const dealii::Utilities::MPI::Partitioner> velocity_partitioner,
+      pressure_partitioner;
+    CartesianForest<dim> locator;
+    std::vector<Cell> cell_list;
+    std::vector<unsigned int> velocity_dof_table, pressure_dof_table;
+    unsigned int revision_number = 0;
+    double smallest_edge_length = 0, present_time = 0;
+
+    // Constraints of the locally relevant unknowns, flat: unknown, its prescribed value and
+    // masters.
+    struct ConstraintLine
+    {
+      unsigned int unknown, begin, end;
+      double value;
+    };
+    std::vector<ConstraintLine> constraint_lines;
+    std::vector<unsigned int> constraint_masters;
+    std::vector<double> constraint_weights;
+  };
+} // namespace feib
+
+#endif

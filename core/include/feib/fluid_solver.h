@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_fluid_solver_h
+#define feib_fluid_solver_h
+
+#include <feib/eulerian_space.h>
+#include <feib/parameters.h>
+
+#include <functional>
+
+namespace feib
+{
+  /// Advances the fluid by one step.
+  template <int dim>
+  class FluidSolver
+  {
+  public:
+    static constexpr const char *kind = "fluid_solver";
+
+    /// A linear operator on velocities, dst += L src, both over all degrees of freedom (constraints
+    /// distributed in src, not yet condensed in dst), symmetric or not.
+    using AddedOperator = std::function<void(VelocityVector &dst, const VelocityVector &src)>;
+
+    /// One backward Euler step to the time @p time, of length @p dt.
+    struct Step
+    {
+      double time;
+      double dt;
+      const VelocityVector &load;    // <F, v> on all degrees of freedom, before condensing
+      AddedOperator added = nullptr; // L u^{n+1} joins the left-hand side (implicit coupling)
+    };
+
+    struct Report
+    {
+      unsigned int linear_iterations    = 0;
+      unsigned int nonlinear_iterations = 0;
+    };
+
+    /// Integrals over the fluid at the state of the space.
+    struct Balance
+    {
+      double kinetic_energy   = 0;
+      double dissipation      = 0; // power, a(u,u) with the viscous form chosen
+      double boundary_power   = 0; // of the last step: reaction at prescribed velocity . u
+      double body_force_power = 0; // (f, u)
+      dealii::Tensor<1, dim> momentum;
+      dealii::Tensor<1, 3> angular_momentum; // about the origin; the third component in 2D
+      double largest_velocity = 0;           // at the nodes
+      double divergence       = 0;           // |div u_h|_0
+      double cfl_rate         = 0;           // max over cells of sum_a |u_a|/h_a; times dt = CFL
+    };
+
+    virtual ~FluidSolver() = default;
+
+    /// Sets space.velocity to the initial velocity and space.pressure to zero.
+    virtual void initialize(EulerianSpace<dim> &space) = 0;
+
+    /// From space.old_velocity (and, for extrapolation, space.older_velocity and space.old_dt) to
+    /// space.velocity and space.pressure, which hold a first guess on entry. Collective. Throws
+    /// RunFailure when a solve does not reach its tolerance; space.old_velocity is untouched.
+    virtual Report advance(EulerianSpace<dim> &space, const Step &step) = 0;
+
+    /// Collective; the same on all ranks.
+    virtual Balance balance(const EulerianSpace<dim> &space) const = 0;
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_lagrangian_mesh_h
+#define feib_lagrangian_mesh_h
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/point.h>
+#include <deal.II/base/tensor.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace feib
+{
+  /// A field with one vector per node (or per Lagrangian point), the same on all ranks.
+  template <int dim>
+  using NodalField = std::vector<dealii::Tensor<1, dim>>;
+
+  /// The current positions of a structure's nodes, the same on all ranks.
+  template <int dim>
+  using Positions = std::vector<dealii::Point<dim>>;
+
+  /// The reference mesh of a structure: P1 simplices of dimension m = dim or dim-1 on flat arrays.
+  ///
+  /// Reference coordinates have dim components whatever m is (a curve uses the first alone, a
+  /// surface in space all three). Each element carries the constant gradients of its m+1 shape
+  /// functions in an orthonormal frame of its own, so that a seam of a periodic reference body,
+  /// where one node has two reference places, needs no special code. The whole mesh is replicated;
+  /// work on elements is divided by local_elements().
+  template <int dim>
+  class LagrangianMesh
+  {
+  public:
+    static constexpr unsigned int invalid = static_cast<unsigned int>(-1);
+
+    /// One element as it is built: the node numbers and the reference place of each corner (which
+    /// differs from the node's own across a seam). The first m+1 of each are used.
+    struct Simplex
+    {
+      std::array<unsigned int, dim + 1> nodes;
+      std::array<dealii::Point<dim>, dim + 1> corners;
+      unsigned int material_id = 0;
+    };
+
+    /// A face between two elements, or on the boundary (elements[1] == invalid). The face lies
+    /// opposite the local vertex opposite[k] of elements[k]; its m nodes come in nodes.
+    struct Face
+    {
+      std::array<unsigned int, dim> nodes;
+      std::array<unsigned int, 2> elements;
+      std::array<unsigned int, 2> opposite;
+      bool
+      at_boundary() const
+      {
+        return elements[1] == invalid;
+      }
+    };
+
+    struct Element
+    {
+      std::array<unsigned int, dim + 1> nodes;                     // m+1 used
+      std::array<dealii::Tensor<1, dim>, dim + 1> shape_gradients; // m+1 used, m components each
+      std::array<dealii::Tensor<1, dim>, dim> frame; // m orthonormal reference vectors
+      dealii::Point<dim> centroid;                   // reference coordinates
+      double measure;                                // reference length, area or volume
+      double diameter;                               // longest reference edge
+      unsigned int material_id;
+    };
+
+    LagrangianMesh() = default;
+
+    /// @p node_places: the reference coordinates of each node. Elements of dimension m = dim are
+    /// oriented to positive measure, those of a curve or surface like their neighbours. Throws
+    /// Error for a degenerate element, for a node without element and for a face of more than two
+    /// elements.
+    LagrangianMesh(unsigned int structure_dim,
+                   std::vector<dealii::Point<dim>> node_places,
+                   const std::vector<Simplex> &simplices);
+
+    /// m
+    unsigned int structure_dim() const;
+    unsigned int n_nodes() const;
+    unsigned int n_elements() const;
+    const std::vector<dealii::Point<dim>> &nodes() const;
+    const std::vector<Element> &elements() const;
+    const std::vector<Face> &faces() const;
+
+    /// Whether the structure has no boundary face.
+    bool closed() const;
+
+    /// The largest reference diameter of an element, h_s.
+    double diameter() const;
+
+    /// The elements [first, second) that this rank works on.
+    std::pair<unsigned int, unsigned int> local_elements() const;
+
+    MPI_Comm
+    communicator() const
+    {
+      return MPI_COMM_WORLD;
+    }
+
+  private:
+    unsigned int m = dim;
+    std::vector<dealii::Point<dim>> node_places;
+    std::vector<Element> element_list;
+    std::vector<Face> face_list;
+    bool is_closed = false;
+  };
+} // namespace feib
+
+#endif

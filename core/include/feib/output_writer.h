@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_output_writer_h
+#define feib_output_writer_h
+
+#include <feib/eulerian_space.h>
+#include <feib/immersed_structure.h>
+#include <feib/ledger.h>
+
+#include <string>
+
+namespace feib
+{
+  /// Writes what a person or a program looks at.
+  template <int dim>
+  class OutputWriter
+  {
+  public:
+    static constexpr const char *kind = "output_writer";
+
+    /// The state at the end of a step.
+    struct Snapshot
+    {
+      unsigned int step;
+      double time;
+      const std::string &directory;
+      const EulerianSpace<dim> &space;
+      const std::vector<ImmersedStructure<dim>> &structures;
+      const Ledger &ledger;
+    };
+
+    virtual ~OutputWriter() = default;
+
+    /// Steps between two calls of write(); the first and the last state are always written.
+    virtual unsigned int interval() const = 0;
+
+    /// Collective. Throws RunFailure, on all ranks, when a file cannot be written.
+    virtual void write(const Snapshot &snapshot) = 0;
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_simulation_h
+#define feib_simulation_h
+
+#include <feib/case.h>
+#include <feib/registry.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace feib
+{
+  /// How far a run has come; told after every step.
+  struct Progress
+  {
+    unsigned int step;
+    double time, end;
+    double dt;
+    double wall_seconds;
+  };
+
+  /// One run of a case, in 2 or 3 dimensions: builds the components the case names, then
+  /// integrator step -> ledger row -> refinement -> output, and a summary at the end.
+  class Simulation
+  {
+  public:
+    virtual ~Simulation() = default;
+
+    /// Builds all components and checks what a schema cannot (structures inside the box,
+    /// expressions, det F > 0, ...). Throws Error with all issues; writes nothing. Collective.
+    static std::unique_ptr<Simulation> create(const Case &description);
+
+    struct Options
+    {
+      /// An existing, writable folder.
+      std::string directory;
+      /// Called on rank 0 after every step; may be empty.
+      std::function<void(const Progress &)> on_progress;
+      /// Asked after every step, on every rank: whether to stop early (a signal). May be empty.
+      std::function<bool()> stop_requested;
+    };
+
+    /// Runs to the end and writes everything, summary.json included. On trouble the last good state
+    /// and a summary with status "failed" are written before RunFailure is thrown on all ranks.
+    virtual void run(const Options &options) = 0;
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_structure_model_h
+#define feib_structure_model_h
+
+#include <feib/lagrangian_points.h>
+#include <feib/parameters.h>
+
+#include <string>
+
+namespace feib
+{
+  /// An elastic structure: holds the positions X of its nodes and turns them into energy and load.
+  /// It never sees the fluid. Functions of X take it as an argument, because time schemes evaluate
+  /// them at predicted positions. All functions are collective; results are the same on all ranks.
+  template <int dim>
+  class StructureModel
+  {
+  public:
+    static constexpr const char *kind = "structure_model";
+
+    virtual ~StructureModel() = default;
+
+    /// The name given in the case.
+    virtual const std::string &
+    name() const = 0;
+
+    virtual const LagrangianMesh<dim> &
+    mesh() const = 0;
+
+    /// The state: the position of every node. The constructor sets it to the initial map.
+    Positions<dim> positions;
+
+    /// E_h(X), the elastic energy.
+    virtual double
+    energy(const Positions<dim> &X) const = 0;
+
+    /// The points the load acts at: the nodes, or Gauss points of faces.
+    virtual const LagrangianPoints &
+    load_points() const = 0;
+
+    /// The load <F_h, v> = sum_q load[q] . v(x_q) at the load points. With the vertex rule
+    /// load = -dE_h/dX.
+    virtual void
+    load(const Positions<dim> &X, NodalField<dim> &load) const = 0;
+
+    /// The derivative of the load in the direction dX.
+    virtual void
+    load_derivative(const Positions<dim>  &X,
+                    const NodalField<dim> &dX,
+                    NodalField<dim>       &dload) const = 0;
+
+    /// The largest eigenvalue of d2W/dF2 over all elements (kappa_max of the stability analysis).
+    virtual double
+    stiffness(const Positions<dim> &X) const = 0;
+
+    /// Area or volume of a body of dimension dim; what a closed curve or surface encloses; length or
+    /// area of an open one.
+    virtual double
+    measure(const Positions<dim> &X) const = 0;
+
+    /// The centroid of what measure() measures.
+    virtual dealii::Point<dim>
+    centroid(const Positions<dim> &X) const = 0;
+
+    /// Energy density W per element, for output. Indexed by element.
+    virtual std::vector<double>
+    energy_density(const Positions<dim> &X) const = 0;
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_testing_coupling_operator_kit_h
+#define feib_testing_coupling_operator_kit_h
+
+#include <feib/coupling_operator.h>
+#include <feib/testing/spaces.h>
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace feib::testing
+{
+  /// Every coupling: (J^T f) . v = f . (J v) to round-off, on uniform and refined meshes, periodic
+  /// or not, before and after condensing, for structures of dimension m = dim and dim-1.
+  template <int dim>
+  void
+  check_duality(const std::string &name,
+                const unsigned int m,
+                const bool refined,
+                const bool periodic)
+  {
+    SCOPED_TRACE("dim " + std::to_string(dim) + ", m " + std::to_string(m) +
+                 (refined ? ", refined" : "") + (periodic ? ", periodic" : ""));
+    const std::string cells = dim == 2 ? "[5, 4]" : "[3, 4, 3]";
+    const auto space =
+      make_space<dim>("{\"cells\": " + cells + (periodic ? ", \"periodic\": [\"x\"]}" : "}"));
+    if (refined)
+      for (unsigned int i = 0; i < 2; ++i)
+        refine_where(*space, [](const auto &x) { return x[0] + x[1] < 0.9; });
+
+    // A bent patch; across the seam of the box when that is periodic.
+    const LagrangianMesh<dim> mesh = make_simplex_mesh<dim>(m, dim == 2 ? 12 : 4);
+    Positions<dim> X(mesh.n_nodes());
+    for (unsigned int i = 0; i < X.size(); ++i)
+      {
+        const auto &s = mesh.nodes()[i];
+        X[i][0]       = (periodic ? .7 : .15) + .6 * s[0] + .05 * std::sin(5 * s[1]);
+        X[i][1]       = .2 + .5 * s[1] + .2 * s[0] * s[0];
+        if constexpr (dim == 3)
+          X[i][2] = .3 + .4 * s[2] + .1 * std::cos(3 * s[0]);
+      }
+
+    const auto coupling = registry().create<CouplingOperator<dim>>(name);
+    coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(mesh.n_nodes()));
+
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    VelocityVector v = space->make_velocity();
+    for (dealii::types::global_dof_index i = 0; i < v.size(); ++i)
+      {
+        const double value = uniform(random); // the same on any number of ranks
+        if (v.in_local_range(i))
+          v(i) = value;
+      }
+    space->distribute(v, true);
+    NodalField<dim> f(mesh.n_nodes()), U;
+    for (auto &force : f)
+      for (unsigned int a = 0; a < dim; ++a)
+        force[a] = uniform(random);
+
+    coupling->interpolate(*space, v, U);
+    double power = 0, scale = 0;
+    for (unsigned int i = 0; i < f.size(); ++i)
+      {
+        power += f[i] * U[i];
+        scale += f[i].norm() * U[i].norm();
+      }
+    ASSERT_GT(scale, 0.1);
+    VelocityVector load = space->make_velocity();
+    coupling->spread(*space, f, load);
+    EXPECT_NEAR(load * v, power, 1e-12 * scale);
+    space->condense(load);
+    EXPECT_NEAR(load * v, power, 1e-12 * scale);
+
+    // The total force arrives: the sum over a partition of unity.
+    if (!periodic)
+      {
+        VelocityVector raw = space->make_velocity();
+        coupling->spread(*space, f, raw);
+        double total = 0;
+        dealii::Tensor<1, dim> sum;
+        for (const auto &force : f)
+          sum += force;
+        for (unsigned int i = 0; i < raw.locally_owned_size(); ++i)
+          total += raw.local_element(i);
+        double expected = 0;
+        for (unsigned int a = 0; a < dim; ++a)
+          expected += sum[a];
+        EXPECT_NEAR(dealii::Utilities::MPI::sum(total, MPI_COMM_WORLD), expected, 1e-12 * scale);
+      }
+  }
+
+  /// A point outside the box, or nowhere, is refused on all ranks.
+  template <int dim>
+  void
+  check_refuses_points_outside(const std::string &name)
+  {
+    const auto space = make_space<dim>(dim == 2 ? "{\"cells\": [4, 4]}" : "{\"cells\": [2, 2, 2]}");
+    const LagrangianMesh<dim> mesh = make_simplex_mesh<dim>(dim - 1, 2);
+    const auto coupling            = registry().create<CouplingOperator<dim>>(name);
+    for (const double bad : {1.5, std::nan("")})
+      {
+        Positions<dim> X(mesh.n_nodes());
+        for (unsigned int i = 0; i < X.size(); ++i)
+          for (unsigned int a = 0; a < dim; ++a)
+            X[i][a] = .2 + .5 * mesh.nodes()[i][a];
+        X.back()[0] = bad;
+        EXPECT_THROW(coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(X.size())),
+                     RunFailure);
+      }
+  }
+} // namespace feib::testing
+
+/// Runs the conformance kit on the coupling operator of this name.
+#define FEIB_TEST_COUPLING_OPERATOR(name)                              \
+  TEST(CouplingOperatorKit, SpreadIsTheTransposeOfInterpolate)         \
+  {                                                                    \
+    for (const bool refined : {false, true})                           \
+      for (const bool periodic : {false, true})                        \
+        {                                                              \
+          feib::testing::check_duality<2>(name, 1, refined, periodic); \
+          feib::testing::check_duality<2>(name, 2, refined, periodic); \
+          feib::testing::check_duality<3>(name, 2, refined, periodic); \
+          feib::testing::check_duality<3>(name, 3, refined, periodic); \
+        }                                                              \
+  }                                                                    \
+  TEST(CouplingOperatorKit, RefusesPointsOutsideTheBox)                \
+  {                                                                    \
+    feib::testing::check_refuses_points_outside<2>(name);              \
+    feib::testing::check_refuses_points_outside<3>(name);              \
+  }
+
+#endif

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_testing_structure_model_kit_h
+#define feib_testing_structure_model_kit_h
+
+#include <feib/schema.h>
+#include <feib/structure_model.h>
+#include <feib/testing/derivative.h>
+#include <feib/testing/plugins.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace feib::testing
+{
+  /// One random vector per node, the same on all ranks.
+  template <int dim>
+  NodalField<dim>
+  random_field(const unsigned int n, const double size, const unsigned int seed = 1)
+  {
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> random(-size, size);
+    NodalField<dim> field(n);
+    for (auto &vector : field)
+      for (unsigned int i = 0; i < dim; ++i)
+        vector[i] = random(generator);
+    return field;
+  }
+
+  template <int dim>
+  Positions<dim>
+  moved(Positions<dim> X, const NodalField<dim> &dX, const double h = 1)
+  {
+    for (unsigned int i = 0; i < X.size(); ++i)
+      X[i] += h * dX[i];
+    return X;
+  }
+
+  template <int dim>
+  double
+  product(const NodalField<dim> &a, const NodalField<dim> &b)
+  {
+    double sum = 0;
+    for (unsigned int i = 0; i < a.size(); ++i)
+      sum += a[i] * b[i];
+    return sum;
+  }
+
+  /// The displacement of the load points when the nodes move by dX.
+  template <int dim>
+  NodalField<dim>
+  at_points(const LagrangianPoints &points, const NodalField<dim> &dX)
+  {
+    const Positions<dim> x = points.positions(moved(Positions<dim>(dX.size()), dX));
+    return NodalField<dim>(x.begin(), x.end());
+  }
+
+  template <int dim>
+  NodalField<dim>
+  load(const StructureModel<dim> &model, const Positions<dim> &X)
+  {
+    NodalField<dim> load;
+    model.load(X, load);
+    EXPECT_EQ(load.size(), model.load_points().size());
+    return load;
+  }
+
+  template <int dim>
+  double
+  norm(const NodalField<dim> &field)
+  {
+    return std::sqrt(product(field, field));
+  }
+
+  /// What every structure model must keep, tried for each example of its schema. Include it in one
+  /// source of a test program.
+  class StructureModelKit : public ::testing::TestWithParam<std::string>
+  {
+  protected:
+    /// Calls @p check with the model, and with its positions disturbed a little.
+    template <typename Check>
+    void
+    for_each_example(const Check &check) const
+    {
+      bool found = false;
+      for (const Registry::Entry &entry : registry().entries())
+        if (entry.kind == StructureModel<2>::kind && entry.name == GetParam())
+          {
+            found = true;
+            for (const std::string &example : Schema(entry.schema).examples())
+              {
+                SCOPED_TRACE(example);
+                // An example is of one dimension, and refused in the other.
+                refusal.clear();
+                const bool in_2d = in_dimension<2>(example, check);
+                const bool in_3d = in_dimension<3>(example, check);
+                EXPECT_TRUE(in_2d || in_3d) << "no dimension accepts this example: " << refusal;
+              }
+          }
+      EXPECT_TRUE(found) << "there is no structure model " << GetParam();
+    }
+
+  private:
+    template <int dim, typename Check>
+    bool
+    in_dimension(const std::string &example, const Check &check) const
+    {
+      std::unique_ptr<StructureModel<dim>> model;
+      try
+        {
+          model = registry().create<StructureModel<dim>>(GetParam(), example);
+        }
+      catch (const Error &error)
+        {
+          refusal += std::string(error.what()) + "; ";
+          return false;
+        }
+      const auto shake =
+        random_field<dim>(model->mesh().n_nodes(), .05 * model->mesh().diameter(), 7);
+      check(*model, moved(model->positions, shake));
+      return true;
+    }
+
+    mutable std::string refusal;
+  };
+
+  TEST_P(StructureModelKit, StartsAtTheInitialPositions)
+  {
+    for_each_example([](const auto &model, const auto &) {
+      EXPECT_EQ(model.positions.size(), model.mesh().n_nodes());
+      EXPECT_GT(model.measure(model.positions), 0);
+      EXPECT_FALSE(model.name().empty());
+    });
+  }
+
+  TEST_P(StructureModelKit, LoadAtNodesIsTheDerivativeOfTheEnergy)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      if (model.load_points().nodes_per_point > 1)
+        return;
+      const auto dX =
+        random_field<std::decay_t<decltype(X[0])>::dimension>(X.size(),
+                                                              .1 * model.mesh().diameter());
+      const double expected =
+        derivative([&](const double h) { return -model.energy(moved(X, dX, h)); });
+      EXPECT_NEAR(product(load(model, X), dX), expected, 1e-9 * std::abs(model.energy(X)));
+    });
+  }
+
+  TEST_P(StructureModelKit, LoadDerivativeIsTheDerivativeOfTheLoad)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      constexpr int dim = std::decay_t<decltype(X[0])>::dimension;
+      const auto dX     = random_field<dim>(X.size(), .1 * model.mesh().diameter());
+      const auto test   = random_field<dim>(model.load_points().size(), 1, 2);
+      NodalField<dim> dload;
+      model.load_derivative(X, dX, dload);
+      const double expected =
+        derivative([&](const double h) { return product(load(model, moved(X, dX, h)), test); });
+      EXPECT_NEAR(product(dload, test), expected, 1e-9 * norm(load(model, X)));
+    });
+  }
+
+  // The energy does not see translations and rotations, so forces and torques cancel.
+  TEST_P(StructureModelKit, TotalForceAndTorqueVanish)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      constexpr int dim = std::decay_t<decltype(X[0])>::dimension;
+      const auto f      = load(model, X);
+      const auto x      = model.load_points().positions(X);
+      dealii::Tensor<1, dim> force;
+      dealii::Tensor<2, dim> torque;
+      for (unsigned int q = 0; q < f.size(); ++q)
+        {
+          force += f[q];
+          torque += outer_product(x[q], f[q]) - outer_product(f[q], x[q]);
+        }
+      const double size = norm(f) * std::sqrt(1. * f.size());
+      EXPECT_GT(size, 0);
+      EXPECT_LT(force.norm(), 1e-13 * size);
+      EXPECT_LT(torque.norm(), 1e-13 * size);
+    });
+  }
+
+  TEST_P(StructureModelKit, EnergyIsTheSumOfItsDensity)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      const std::vector<double> W = model.energy_density(X);
+      ASSERT_EQ(W.size(), model.mesh().n_elements());
+      double sum = 0;
+      for (unsigned int e = 0; e < W.size(); ++e)
+        sum += W[e] * model.mesh().elements()[e].measure;
+      EXPECT_NEAR(sum, model.energy(X), 1e-12 * std::abs(sum));
+    });
+  }
+
+  // kappa_max bounds the second derivative of the energy density.
+  TEST_P(StructureModelKit, StiffnessBoundsTheTangent)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      if (model.load_points().nodes_per_point > 1)
+        return;
+      constexpr int dim  = std::decay_t<decltype(X[0])>::dimension;
+      const double kappa = model.stiffness(X);
+      EXPECT_GT(kappa, 0);
+      for (unsigned int seed = 0; seed < 5; ++seed)
+        {
+          const auto dX = random_field<dim>(X.size(), 1, seed);
+          NodalField<dim> dload;
+          model.load_derivative(X, dX, dload);
+          double gradient_squared = 0;
+          for (const auto &element : model.mesh().elements())
+            for (unsigned int i = 0; i < dim; ++i)
+              {
+                dealii::Tensor<1, dim> gradient;
+                for (unsigned int k = 0; k <= model.mesh().structure_dim(); ++k)
+                  gradient += dX[element.nodes[k]][i] * element.shape_gradients[k];
+                gradient_squared += element.measure * gradient.norm_square();
+              }
+          EXPECT_LE(-product(dload, dX), kappa * gradient_squared * (1 + 1e-12));
+        }
+    });
+  }
+} // namespace feib::testing
+
+/// Runs the conformance kit for the structure model of that name.
+#define FEIB_TEST_STRUCTURE_MODEL(name) FEIB_TEST_STRUCTURE_MODEL_(name, __LINE__)
+#define FEIB_TEST_STRUCTURE_MODEL_(name, line) FEIB_TEST_STRUCTURE_MODEL__(name, line)
+#define FEIB_TEST_STRUCTURE_MODEL__(name, line)                            \
+  namespace feib::testing                                                  \
+  {                                                                        \
+    INSTANTIATE_TEST_SUITE_P(Line##line,                                   \
+                             StructureModelKit,                            \
+                             ::testing::Values(std::string(name)),         \
+                             [](const auto &info) { return info.param; }); \
+  }                                                                        \
+  static_assert(true, "")
+
+#endif

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "json.h"
+
+#include <feib/case.h>
+#include <feib/expression.h>
+#include <feib/schema.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    /// Finds where the values of a document stand in its text, and keys that stand twice. The text
+    /// may hold comments and is known to be correct.
+    class Places
+    {
+    public:
+      explicit Places(const std::string &text)
+        : text(text)
+      {
+        value("");
+      }
+
+      std::map<std::string, std::size_t> offsets; // by JSON pointer
+      Issues                             duplicates;
+
+    private:
+      const std::string &text;
+      std::size_t        at = 0;
+
+      /// The next character that is neither space nor comment.
+      char
+      next()
+      {
+        while (at < text.size())
+          if (text.compare(at, 2, "//") == 0)
+            at = std::min(text.find('\n', at), text.size());
+          else if (text.compare(at, 2, "/*") == 0)
+            at = std::min(text.find("*/", at + 2), text.size() - 2) + 2;
+          else if (std::isspace(static_cast<unsigned char>(text[at])) ||
+                   text.compare(at, 3, "\xEF\xBB\xBF") == 0)
+            at += text[at] == '\xEF' ? 3 : 1;
+          else
+            return text[at];
+        return '\0';
+      }
+
+      std::string
+      string()
+      {
+        const std::size_t start = at++;
+        while (text[at] != '"')
+          at += text[at] == '\\' ? 2 : 1;
+        ++at;
+        return Json::parse(text.substr(start, at - start)).get<std::string>();
+      }
+
+      void
+      value(const std::string &pointer)
+      {
+        const char first = next();
+        offsets[pointer] = at;
+        if (first == '{')
+          object(pointer);
+        else if (first == '[')
+          array(pointer);
+        else if (first == '"')
+          string();
+        else
+          at = std::min(text.find_first_of(",]}/ \t\r\n", at), text.size());
+      }
+
+      void
+      object(const std::string &pointer)
+      {
+        std::set<std::string> keys;
+        ++at;
+        while (next() != '}')
+          {
+            if (text[at] == ',')
+              {
+                ++at;
+                next();
+              }
+            const std::size_t start = at;
+            const std::string key   = string();
+            if (!keys.insert(key).second)
+              duplicates.push_back(
+                {pointer + pointer_part(key), "the key \"" + key + "\" stands here a second time", start});
+            next();
+            ++at; // the colon
+            value(pointer + pointer_part(key));
+          }
+        ++at;
+      }
+
+      void
+      array(const std::string &pointer)
+      {
+        ++at;
+        for (std::size_t i = 0; next() != ']'; ++i)
+          {
+            if (text[at] == ',')
+              ++at;
+            value(pointer + "/" + std::to_string(i));
+          }
+        ++at;
+      }
+    };
+
+
+
+    Json
+    parse(const std::string &text)
+    {
+      Json document;
+      try
+        {
+          document = Json::parse(text, nullptr, true, true);
+        }
+      catch (const Json::parse_error &failure)
+        {
+          std::string       message = failure.what();
+          const std::size_t start   = message.find("syntax error");
+          if (start != std::string::npos)
+            message.erase(0, start);
+          throw Error(Issues{{"", message, std::max<std::size_t>(failure.byte, 1) - 1}});
+        }
+      catch (const Json::exception &failure) // a number out of range
+        {
+          throw Error(Issues{{"", failure.what(), 0}});
+        }
+      Places places(text);
+      if (!places.duplicates.empty())
+        throw Error(places.duplicates);
+      return document;
+    }
+
+
+
+    /// Puts the value of one --set into the document; returns what is wrong with it, or "".
+    std::string
+    apply(Json &document, const std::string &pointer, const std::string &text)
+    {
+      if (pointer.empty() || pointer[0] != '/')
+        return "a JSON pointer starts with /, e.g. --set /time/step=0.1";
+      Json value = Json::parse(text, nullptr, false);
+      if (value.is_discarded())
+        value = text;
+      try
+        {
+          value.dump();
+        }
+      catch (const Json::exception &)
+        {
+          return "the value is not UTF-8 text";
+        }
+
+      Json                          *place = &document;
+      std::string                    where;
+      const std::vector<std::string> parts = pointer_parts(pointer);
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        {
+          const std::string &part = parts[i];
+          const bool         last = i + 1 == parts.size();
+          if (place->is_object())
+            {
+              if (!last && !place->contains(part))
+                return "the case has no " + where + pointer_part(part) +
+                       "; set that, with all it holds as JSON";
+              place = &(*place)[part];
+            }
+          else if (place->is_array())
+            {
+              const bool is_index = !part.empty() && part.size() < 9 &&
+                                    part.find_first_not_of("0123456789") == std::string::npos;
+              if (!is_index || std::stoul(part) >= place->size())
+                return where + " has " + std::to_string(place->size()) + " entries, no \"" + part + "\"";
+              place = &(*place)[std::stoul(part)];
+            }
+          else
+            return where + " is neither an object nor an array";
+          where += pointer_part(part);
+        }
+      *place = std::move(value);
+      return "";
+    }
+
+
+
+    bool
+    is_identifier(const std::string &name)
+    {
+      return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
+             std::all_of(name.begin(), name.end(), [](const unsigned char c) {
+               return std::isalnum(c) || c == '_';
+             });
+    }
+
+
+
+    /// The constants of the case, with pi and e.
+    std::map<std::string, double>
+    constants(const Json &document, Issues &issues)
+    {
+      std::map<std::string, double> result = mathematical_constants();
+      for (const auto &[name, value] : document["constants"].items())
+        {
+          const std::string pointer = "/constants" + pointer_part(name);
+          if (!is_identifier(name))
+            issues.push_back({pointer,
+                              "\"" + name +
+                                "\" cannot name a constant: letters, digits and underscores are "
+                                "allowed, a digit not first"});
+          else if (is_expression_word(name))
+            issues.push_back({pointer,
+                              "\"" + name +
+                                "\" cannot name a constant: it is a function, a variable or a "
+                                "constant of every expression"});
+          result[name] = value.get<double>();
+        }
+      return result;
+    }
+
+
+
+    std::string
+    position(const std::string &text, const std::size_t offset)
+    {
+      const auto        end   = text.begin() + std::min(offset, text.size());
+      const auto        lines = std::count(text.begin(), end, '\n');
+      const std::size_t start = std::string(text.begin(), end).rfind('\n') + 1; // 0 without any
+      const auto        column =
+        std::count_if(text.begin() + start, end, [](const unsigned char c) { return (c & 0xC0) != 0x80; });
+      return std::to_string(lines + 1) + ":" + std::to_string(column + 1);
+    }
+  } // namespace
+
+
+
+  Case::Case(const std::string &text,
+             const std::string &file,
+             const Registry    &registry,
+             const Settings    &settings)
+    : text(text)
+    , file(file)
+    , settings(settings)
+  {
+    Json   document = parse(text);
+    Issues issues;
+    for (const auto &[pointer, value] : settings)
+      if (const std::string problem = apply(document, pointer, value); !problem.empty())
+        issues.push_back({pointer, problem});
+    if (!issues.empty())
+      throw Error(issues);
+
+    const Schema      schema  = Schema::compose(registry);
+    const std::string written = document.dump();
+    issues                    = schema.explain(written);
+    if (issues.empty())
+      {
+        resolved_text = schema.with_defaults(written);
+        issues        = schema.explain(resolved_text); // a default may name an absent component
+        if (issues.empty() && !schema.accepts(resolved_text))
+          issues.push_back({"", "breaks the schema of cases (feib-host --schema)"});
+      }
+    if (!issues.empty())
+      throw Error(issues);
+
+    document                  = Json::parse(resolved_text);
+    const auto known          = constants(document, issues);
+    const auto directory      = std::filesystem::path(file).parent_path();
+    const auto shared         = std::make_shared<Document>(
+      Document{std::move(document), &registry, known, directory.empty() ? "." : directory.string()});
+    if (!issues.empty())
+      throw Error(issues);
+    view = std::make_unique<Parameters>(
+      std::make_shared<Parameters::Node>(Parameters::Node{shared, &shared->root, ""}));
+  }
+
+
+
+  std::string
+  Case::read(const std::string &file)
+  {
+    // The first character says whether the rest is the text or the reason why there is none.
+    std::string answer;
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      {
+        std::error_code    problem;
+        std::ifstream      stream(file);
+        std::ostringstream content;
+        if (std::filesystem::is_directory(file, problem))
+          answer = "!is a folder";
+        else if (!std::filesystem::exists(file, problem))
+          answer = "!there is no such file";
+        else if (!stream || (stream.peek(), content << stream.rdbuf(), stream.bad()))
+          answer = "!cannot be read";
+        else
+          answer = "=" + content.str();
+      }
+    answer = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, answer);
+    if (answer[0] == '!')
+      throw Error(file + ": " + answer.substr(1));
+    return answer.substr(1);
+  }
+
+
+
+  Case
+  Case::from_file(const std::string &file, const Registry &registry, const Settings &settings)
+  {
+    return Case(read(file), file, registry, settings);
+  }
+
+
+
+  const Parameters &
+  Case::parameters() const
+  {
+    return *view;
+  }
+
+
+
+  std::string
+  Case::resolved() const
+  {
+    return resolved_text;
+  }
+
+
+
+  std::string
+  Case::format(const Issues &issues) const
+  {
+    return format(issues, text, file, settings);
+  }
+
+
+
+  std::string
+  Case::format(const Issues      &issues,
+               const std::string &text,
+               const std::string &file,
+               const Settings    &settings)
+  {
+    const bool   is_syntax_error = Json::parse(text, nullptr, false, true).is_discarded();
+    const Places places(is_syntax_error ? "null" : text);
+    const auto   place = [&](const Issue &issue) {
+      if (issue.offset)
+        return file + ":" + position(text, *issue.offset);
+      for (auto setting = settings.rbegin(); setting != settings.rend(); ++setting)
+        if (issue.pointer == setting->first || issue.pointer.rfind(setting->first + "/", 0) == 0)
+          return "--set " + setting->first;
+      std::string pointer = issue.pointer;
+      while (places.offsets.count(pointer) == 0)
+        pointer.erase(std::min(pointer.rfind('/'), pointer.size()));
+      return file + ":" + position(text, places.offsets.at(pointer));
+    };
+    std::string lines;
+    for (const Issue &issue : issues)
+      lines += place(issue) + ": error: " + (issue.pointer.empty() ? "" : issue.pointer + ": ") +
+               issue.message + "\n";
+    return lines;
+  }
+} // namespace feib

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/domain.h>
+
+#include <feib/expression.h>
+
+#include <deal.II/base/function.h>
+
+namespace feib
+{
+  namespace
+  {
+    const char *const direction_names[] = {"x", "y", "z"};
+
+    template <int dim>
+    dealii::Point<dim>
+    corner(const Parameters &parameters, const std::string &key, const double value_when_not_given)
+    {
+      dealii::Point<dim> result;
+      for (unsigned int a = 0; a < dim; ++a)
+        result[a] = value_when_not_given;
+      if (!parameters.has(key))
+        return result;
+      const std::vector<double> numbers = parameters.numbers(key);
+      if (numbers.size() != dim)
+        parameters.fail(key,
+                        "found " + std::to_string(numbers.size()) +
+                          " coordinates, the dimension is " + std::to_string(dim));
+      for (unsigned int a = 0; a < dim; ++a)
+        result[a] = numbers[a];
+      return result;
+    }
+
+    template <int dim>
+    typename Domain<dim>::Face
+    make_face(const Parameters &parameters)
+    {
+      typename Domain<dim>::Face face;
+      const auto [name, block] = parameters.choice();
+      if (name == "no_slip")
+        face.condition = BoundaryCondition::no_slip;
+      else if (name == "free_slip")
+        face.condition = BoundaryCondition::free_slip;
+      else if (name == "outflow")
+        face.condition = BoundaryCondition::outflow;
+      else
+        {
+          face.condition      = BoundaryCondition::velocity;
+          face.velocity       = parse_expressions<dim>(block, "value", dim, Variables::space_time);
+          face.time_dependent = depends_on_time(block, "value");
+        }
+      return face;
+    }
+  } // namespace
+
+
+  template <int dim>
+  Domain<dim>::Domain(const Parameters &parameters)
+    : lower(corner<dim>(parameters, "lower", 0.))
+    , upper(corner<dim>(parameters, "upper", 1.))
+  {
+    for (unsigned int a = 0; a < dim; ++a)
+      if (!(lower[a] < upper[a]))
+        parameters.fail(parameters.has("upper") ? "upper" : "lower",
+                        std::string("the box is empty in ") + direction_names[a] + ": from " +
+                          std::to_string(lower[a]) + " to " + std::to_string(upper[a]) +
+                          "; upper must be greater than lower");
+
+    const std::vector<int> numbers = parameters.integers("cells");
+    if (numbers.size() != dim)
+      parameters.fail("cells",
+                      "found " + std::to_string(numbers.size()) +
+                        " numbers of cells, the dimension is " + std::to_string(dim));
+    for (unsigned int a = 0; a < dim; ++a)
+      cells[a] = numbers[a];
+
+    const std::vector<std::string> periodic_directions = parameters.expressions("periodic");
+    for (unsigned int i = 0; i < periodic_directions.size(); ++i)
+      {
+        unsigned int a = 0;
+        while (periodic_directions[i] != direction_names[a])
+          ++a;
+        if (a >= dim)
+          parameters.fail("periodic/" + std::to_string(i),
+                          "found \"" + periodic_directions[i] + "\", the dimension is " +
+                            std::to_string(dim));
+        if (cells[a] < 2)
+          parameters.fail("cells/" + std::to_string(a),
+                          "found 1, a periodic direction needs at least 2 base cells");
+        faces[2 * a].condition = faces[2 * a + 1].condition = BoundaryCondition::periodic;
+      }
+
+    const Parameters boundary = parameters.child("boundary");
+    for (unsigned int f = 0; f < 6; ++f)
+      {
+        const std::string name =
+          std::string(direction_names[f / 2]) + (f % 2 == 0 ? "_min" : "_max");
+        if (!boundary.has(name))
+          continue;
+        if (f / 2 >= dim)
+          boundary.fail(name, "there is no such face in dimension " + std::to_string(dim));
+        if (periodic(f / 2))
+          boundary.fail(name,
+                        std::string("the box is periodic in ") + direction_names[f / 2] +
+                          "; such a face takes no condition");
+        faces[f] = make_face<dim>(boundary.child(name));
+      }
+  }
+
+
+  template <int dim>
+  bool
+  Domain<dim>::enclosed() const
+  {
+    for (const Face &face : faces)
+      if (face.condition == BoundaryCondition::outflow)
+        return false;
+    return true;
+  }
+
+
+  template struct Domain<2>;
+  template struct Domain<3>;
+} // namespace feib

@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/eulerian_space.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/distributed/solution_transfer.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_tools.h>
+#include <deal.II/grid/grid_generator.h>
+#include <deal.II/grid/grid_tools.h>
+#include <deal.II/numerics/vector_tools.h>
+
+#include <limits>
+
+namespace feib
+{
+  template <int dim>
+  EulerianSpace<dim>::EulerianSpace(Domain<dim> domain, const MPI_Comm communicator)
+    : box(std::move(domain))
+    , mpi_communicator(communicator)
+    , mesh(communicator)
+    , velocity_fe(dealii::FE_Q<dim>(2), dim)
+    , pressure_fe(1)
+    , velocity_dof_handler(mesh)
+    , pressure_dof_handler(mesh)
+  {
+    const std::vector<unsigned int> cells(box.cells.begin(), box.cells.end());
+    dealii::GridGenerator::subdivided_hyper_rectangle(mesh, cells, box.lower, box.upper, true);
+
+    std::vector<dealii::GridTools::PeriodicFacePair<
+      typename dealii::parallel::distributed::Triangulation<dim>::cell_iterator>>
+      pairs;
+    for (unsigned int a = 0; a < dim; ++a)
+      if (box.periodic(a))
+        dealii::GridTools::collect_periodic_faces(mesh, 2 * a, 2 * a + 1, a, pairs);
+    if (!pairs.empty())
+      mesh.add_periodicity(pairs);
+
+    distribute_dofs();
+    velocity       = make_velocity();
+    old_velocity   = make_velocity();
+    older_velocity = make_velocity();
+    pressure       = make_pressure();
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::distribute_dofs()
+  {
+    velocity_dof_handler.distribute_dofs(velocity_fe);
+    pressure_dof_handler.distribute_dofs(pressure_fe);
+    make_constraints(present_time);
+
+    // Ghosts: what the cells around need, and what constraints of those lead to.
+    dealii::IndexSet ghosts = relevant_velocity;
+    std::vector<dealii::types::global_dof_index> masters;
+    for (const auto i : relevant_velocity)
+      if (velocity_constraints.is_constrained(i))
+        for (const auto &entry : *velocity_constraints.get_constraint_entries(i))
+          masters.push_back(entry.first);
+    std::sort(masters.begin(), masters.end());
+    ghosts.add_indices(masters.begin(), masters.end());
+    velocity_partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
+      velocity_dof_handler.locally_owned_dofs(), ghosts, mpi_communicator);
+    dealii::IndexSet relevant_pressure;
+    dealii::DoFTools::extract_locally_relevant_dofs(pressure_dof_handler, relevant_pressure);
+    pressure_partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
+      pressure_dof_handler.locally_owned_dofs(), relevant_pressure, mpi_communicator);
+    flatten_constraints();
+
+    std::array<bool, dim> periodic;
+    for (unsigned int a = 0; a < dim; ++a)
+      periodic[a] = box.periodic(a);
+    locator.rebuild(mesh, box.lower, box.upper, box.cells, periodic);
+
+    cell_list.clear();
+    velocity_dof_table.clear();
+    pressure_dof_table.clear();
+    const std::vector<unsigned int> lexicographic =
+      dealii::FETools::hierarchic_to_lexicographic_numbering<dim>(2);
+    std::vector<dealii::types::global_dof_index> indices(n_velocity), pressure_indices(n_pressure);
+    smallest_edge_length = std::numeric_limits<double>::max();
+    for (const auto &cell : velocity_dof_handler.active_cell_iterators())
+      if (cell->is_locally_owned())
+        {
+          Cell flat;
+          flat.lower = cell->vertex(0);
+          flat.size  = cell->vertex((1 << dim) - 1) - cell->vertex(0);
+          flat.level = cell->level();
+          cell_list.push_back(flat);
+          for (unsigned int a = 0; a < dim; ++a)
+            smallest_edge_length = std::min(smallest_edge_length, flat.size[a]);
+
+          cell->get_dof_indices(indices);
+          const unsigned int offset = velocity_dof_table.size();
+          velocity_dof_table.resize(offset + n_velocity);
+          for (unsigned int i = 0; i < n_velocity; ++i)
+            {
+              const auto [component, node] = velocity_fe.system_to_component_index(i);
+              velocity_dof_table[offset + component * n_nodes + lexicographic[node]] =
+                velocity_partitioner->global_to_local(indices[i]);
+            }
+
+          const typename dealii::DoFHandler<dim>::active_cell_iterator pressure_cell(
+            &mesh, cell->level(), cell->index(), &pressure_dof_handler);
+          pressure_cell->get_dof_indices(pressure_indices);
+          for (const auto i : pressure_indices)
+            pressure_dof_table.push_back(pressure_partitioner->global_to_local(i));
+        }
+    smallest_edge_length = dealii::Utilities::MPI::min(smallest_edge_length, mpi_communicator);
+    ++revision_number;
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::make_constraints(const double t)
+  {
+    present_time = t;
+    dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
+    velocity_constraints.reinit(relevant_velocity);
+    dealii::DoFTools::make_hanging_node_constraints(velocity_dof_handler, velocity_constraints);
+    for (unsigned int a = 0; a < dim; ++a)
+      if (box.periodic(a))
+        dealii::DoFTools::make_periodicity_constraints(
+          velocity_dof_handler, 2 * a, 2 * a + 1, a, velocity_constraints);
+
+    // The first condition to reach an unknown holds: where a moving lid meets a wall at rest, the
+    // wall wins, so that no fluid passes through the corner.
+    const dealii::Functions::ZeroFunction<dim> zero(dim);
+    for (const BoundaryCondition condition :
+         {BoundaryCondition::no_slip, BoundaryCondition::free_slip, BoundaryCondition::velocity})
+      for (unsigned int f = 0; f < 2 * dim; ++f)
+        if (box.faces[f].condition == condition)
+          {
+            dealii::ComponentMask mask(dim, condition != BoundaryCondition::free_slip);
+            mask.set(f / 2, true);
+            if (condition == BoundaryCondition::velocity)
+              box.faces[f].velocity->set_time(t);
+            const dealii::Function<dim> &values =
+              condition == BoundaryCondition::velocity
+                ? *box.faces[f].velocity
+                : static_cast<const dealii::Function<dim> &>(zero);
+            dealii::VectorTools::interpolate_boundary_values(
+              cartesian_mapping, velocity_dof_handler, f, values, velocity_constraints, mask);
+          }
+    velocity_constraints.close();
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::flatten_constraints()
+  {
+    constraint_lines.clear();
+    constraint_masters.clear();
+    constraint_weights.clear();
+    for (const auto i : relevant_velocity)
+      if (velocity_constraints.is_constrained(i))
+        {
+          ConstraintLine line;
+          line.unknown = velocity_partitioner->global_to_local(i);
+          line.begin   = constraint_masters.size();
+          for (const auto &entry : *velocity_constraints.get_constraint_entries(i))
+            {
+              constraint_masters.push_back(velocity_partitioner->global_to_local(entry.first));
+              constraint_weights.push_back(entry.second);
+            }
+          line.end   = constraint_masters.size();
+          line.value = velocity_constraints.get_inhomogeneity(i);
+          constraint_lines.push_back(line);
+        }
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::set_time(const double t)
+  {
+    bool changes = false;
+    for (const auto &face : box.faces)
+      changes = changes || face.time_dependent;
+    if (changes && t != present_time)
+      {
+        make_constraints(t);
+        flatten_constraints();
+      }
+    present_time = t;
+  }
+
+
+  template <int dim>
+  bool
+  EulerianSpace<dim>::adapt(const Mark &mark, const bool repeat)
+  {
+    // A strategy may ask for ever what the 2:1 balance of the forest undoes: stop at an unchanged
+    // mesh.
+    constexpr unsigned int most_rounds = 30;
+
+    bool changed = false;
+    for (unsigned int round = 0; round < (repeat ? most_rounds : 1); ++round)
+      {
+        for (const auto &cell : mesh.active_cell_iterators())
+          {
+            cell->clear_refine_flag();
+            cell->clear_coarsen_flag();
+          }
+        mark(mesh);
+        mesh.prepare_coarsening_and_refinement();
+        int flagged = 0;
+        for (const auto &cell : mesh.active_cell_iterators())
+          if (cell->is_locally_owned() && (cell->refine_flag_set() || cell->coarsen_flag_set()))
+            flagged = 1;
+        if (dealii::Utilities::MPI::max(flagged, mpi_communicator) == 0)
+          break;
+
+        using Transfer = dealii::parallel::distributed::SolutionTransfer<dim, VelocityVector>;
+        Transfer velocity_transfer(velocity_dof_handler), pressure_transfer(pressure_dof_handler);
+        for (VelocityVector *v : {&velocity, &old_velocity, &older_velocity})
+          v->update_ghost_values();
+        pressure.update_ghost_values();
+        velocity_transfer.prepare_for_coarsening_and_refinement(
+          std::vector<const VelocityVector *>{&velocity, &old_velocity, &older_velocity});
+        pressure_transfer.prepare_for_coarsening_and_refinement(pressure);
+
+        const auto before = mesh.get_checksum();
+        mesh.execute_coarsening_and_refinement();
+        const bool new_mesh = mesh.get_checksum() != before;
+        changed             = changed || new_mesh;
+
+        distribute_dofs();
+        VelocityVector moved[3]           = {make_velocity(), make_velocity(), make_velocity()};
+        PressureVector moved_pressure     = make_pressure();
+        std::vector<VelocityVector *> all = {&moved[0], &moved[1], &moved[2]};
+        velocity_transfer.interpolate(all);
+        pressure_transfer.interpolate(moved_pressure);
+        velocity.swap(moved[0]);
+        old_velocity.swap(moved[1]);
+        older_velocity.swap(moved[2]);
+        pressure.swap(moved_pressure);
+        for (VelocityVector *v : {&velocity, &old_velocity, &older_velocity})
+          distribute(*v, false);
+        pressure.update_ghost_values();
+        if (!new_mesh)
+          break;
+      }
+    return changed;
+  }
+
+
+  template <int dim>
+  VelocityVector
+  EulerianSpace<dim>::make_velocity() const
+  {
+    return VelocityVector(velocity_partitioner);
+  }
+
+
+  template <int dim>
+  PressureVector
+  EulerianSpace<dim>::make_pressure() const
+  {
+    return PressureVector(pressure_partitioner);
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::condense(VelocityVector &v) const
+  {
+    v.zero_out_ghost_values();
+    const unsigned int n_owned = v.locally_owned_size();
+    for (const ConstraintLine &line : constraint_lines)
+      if (line.unknown < n_owned)
+        {
+          const double value            = v.local_element(line.unknown);
+          v.local_element(line.unknown) = 0;
+          for (unsigned int k = line.begin; k < line.end; ++k)
+            v.local_element(constraint_masters[k]) += constraint_weights[k] * value;
+        }
+    v.compress(dealii::VectorOperation::add);
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::distribute(VelocityVector &v, const bool homogeneous) const
+  {
+    v.update_ghost_values();
+    for (const ConstraintLine &line : constraint_lines)
+      {
+        double value = homogeneous ? 0. : line.value;
+        for (unsigned int k = line.begin; k < line.end; ++k)
+          value += constraint_weights[k] * v.local_element(constraint_masters[k]);
+        v.local_element(line.unknown) = value;
+      }
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::shape_values(const dealii::Point<dim> &unit, double *values)
+  {
+    double line[dim][3];
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        const double x = unit[a];
+        line[a][0]     = 2 * (x - .5) * (x - 1);
+        line[a][1]     = 4 * x * (1 - x);
+        line[a][2]     = 2 * x * (x - .5);
+      }
+    if constexpr (dim == 2)
+      for (unsigned int j = 0; j < 3; ++j)
+        for (unsigned int i = 0; i < 3; ++i)
+          values[3 * j + i] = line[0][i] * line[1][j];
+    else
+      for (unsigned int k = 0; k < 3; ++k)
+        for (unsigned int j = 0; j < 3; ++j)
+          for (unsigned int i = 0; i < 3; ++i)
+            values[9 * k + 3 * j + i] = line[0][i] * line[1][j] * line[2][k];
+  }
+
+
+  template <int dim>
+  const Domain<dim> &
+  EulerianSpace<dim>::domain() const
+  {
+    return box;
+  }
+
+  template <int dim>
+  MPI_Comm
+  EulerianSpace<dim>::communicator() const
+  {
+    return mpi_communicator;
+  }
+
+  template <int dim>
+  const dealii::parallel::distributed::Triangulation<dim> &
+  EulerianSpace<dim>::triangulation() const
+  {
+    return mesh;
+  }
+
+  template <int dim>
+  const dealii::DoFHandler<dim> &
+  EulerianSpace<dim>::velocity_handler() const
+  {
+    return velocity_dof_handler;
+  }
+
+  template <int dim>
+  const dealii::DoFHandler<dim> &
+  EulerianSpace<dim>::pressure_handler() const
+  {
+    return pressure_dof_handler;
+  }
+
+  template <int dim>
+  const dealii::MappingCartesian<dim> &
+  EulerianSpace<dim>::mapping() const
+  {
+    return cartesian_mapping;
+  }
+
+  template <int dim>
+  const dealii::AffineConstraints<double> &
+  EulerianSpace<dim>::constraints() const
+  {
+    return velocity_constraints;
+  }
+
+  template <int dim>
+  unsigned int
+  EulerianSpace<dim>::revision() const
+  {
+    return revision_number;
+  }
+
+  template <int dim>
+  const std::vector<typename EulerianSpace<dim>::Cell> &
+  EulerianSpace<dim>::cells() const
+  {
+    return cell_list;
+  }
+
+  template <int dim>
+  const CartesianForest<dim> &
+  EulerianSpace<dim>::forest() const
+  {
+    return locator;
+  }
+
+  template <int dim>
+  double
+  EulerianSpace<dim>::smallest_edge() const
+  {
+    return smallest_edge_length;
+  }
+
+
+  template class EulerianSpace<2>;
+  template class EulerianSpace<3>;
+} // namespace feib

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_json_h
+#define feib_json_h
+
+#include <feib/parameters.h>
+
+#include <nlohmann/json.hpp>
+
+namespace feib
+{
+  /// The order of keys is the user's order.
+  using Json = nlohmann::ordered_json;
+
+  /// A key as a part of a JSON pointer: "/" + key, with ~ and / escaped.
+  std::string
+  pointer_part(const std::string &key);
+
+  /// The keys (and indices) a JSON pointer is made of.
+  std::vector<std::string>
+  pointer_parts(const std::string &pointer);
+
+  /// "a", "b", "c"
+  std::string
+  quoted_list(const std::vector<std::string> &names);
+
+  /// The entry of @p names that @p name was probably meant to be, or "".
+  std::string
+  nearest(const std::string &name, const std::vector<std::string> &names);
+
+  /// What views of a case share.
+  struct Document
+  {
+    Json                          root;
+    const Registry               *registry;
+    std::map<std::string, double> constants;
+    std::string                   directory;
+  };
+
+  /// pi and e, which every expression knows.
+  std::map<std::string, double>
+  mathematical_constants();
+
+  struct Parameters::Node
+  {
+    std::shared_ptr<const Document> document;
+    const Json                     *value;
+    std::string                     pointer;
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/lagrangian_mesh.h>
+
+#include <feib/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace feib
+{
+  namespace
+  {
+    using dealii::Point;
+    using dealii::Tensor;
+
+    template <int dim>
+    using Simplex = typename LagrangianMesh<dim>::Simplex;
+    template <int dim>
+    using Face = typename LagrangianMesh<dim>::Face;
+    template <int dim>
+    using Element = typename LagrangianMesh<dim>::Element;
+
+    template <int dim>
+    std::string
+    text(const Point<dim> &x)
+    {
+      std::string result = "(";
+      for (unsigned int i = 0; i < dim; ++i)
+        result += (i ? ", " : "") + std::to_string(x[i]);
+      return result + ")";
+    }
+
+    /// An orthonormal frame of the simplex's plane; m = dim: the axes. A degenerate simplex has
+    /// none.
+    template <int dim>
+    bool
+    make_frame(const Simplex<dim> &simplex, const unsigned int m, Element<dim> &element)
+    {
+      for (unsigned int k = 0; k < m; ++k)
+        if (m == dim)
+          element.frame[k][k] = 1;
+        else
+          {
+            const Tensor<1, dim> edge = simplex.corners[k + 1] - simplex.corners[0];
+            Tensor<1, dim> v          = edge;
+            for (unsigned int l = 0; l < k; ++l)
+              v -= (v * element.frame[l]) * element.frame[l];
+            if (!(v.norm() > 1e-12 * edge.norm()))
+              return false;
+            element.frame[k] = v / v.norm();
+          }
+      return true;
+    }
+
+    /// The edge matrix in the frame, filled up with ones: its inverse holds the gradients.
+    template <int dim>
+    Tensor<2, dim>
+    edge_matrix(const Simplex<dim> &simplex, const unsigned int m, const Element<dim> &element)
+    {
+      Tensor<2, dim> edges;
+      for (unsigned int k = 0; k < dim; ++k)
+        for (unsigned int j = 0; j < dim; ++j)
+          if (k < m && j < m)
+            edges[k][j] = (simplex.corners[j + 1] - simplex.corners[0]) * element.frame[k];
+          else
+            edges[k][j] = (k == j);
+      return edges;
+    }
+
+    /// @p simplex may be turned to positive orientation.
+    template <int dim>
+    Element<dim>
+    make_element(Simplex<dim> &simplex, const unsigned int m, const std::string &name)
+    {
+      Element<dim> element;
+      element.material_id = simplex.material_id;
+      element.diameter    = 0;
+      for (unsigned int k = 0; k <= m; ++k)
+        {
+          element.centroid += simplex.corners[k] / (m + 1.);
+          for (unsigned int l = 0; l < k; ++l)
+            element.diameter =
+              std::max(element.diameter, simplex.corners[k].distance(simplex.corners[l]));
+        }
+
+      const bool has_frame = make_frame<dim>(simplex, m, element);
+      Tensor<2, dim> edges = edge_matrix<dim>(simplex, m, element);
+      if (determinant(edges) < 0)
+        {
+          std::swap(simplex.nodes[0], simplex.nodes[1]);
+          std::swap(simplex.corners[0], simplex.corners[1]);
+          edges = edge_matrix<dim>(simplex, m, element);
+        }
+      element.measure = determinant(edges) / (m == 3 ? 6 : m);
+      if (!has_frame || !(element.measure > 1e-12 * std::pow(element.diameter, m)))
+        throw Error(name + " at " + text(element.centroid) + " is degenerate: its corners lie " +
+                    (m == 1   ? "in one point"
+                     : m == 2 ? "on one line"
+                              : "in one plane"));
+
+      const Tensor<2, dim> inverse = invert(edges);
+      for (unsigned int k = 0; k < m; ++k)
+        for (unsigned int l = 0; l < m; ++l)
+          {
+            element.shape_gradients[k + 1][l] = inverse[k][l];
+            element.shape_gradients[0][l] -= inverse[k][l];
+          }
+      element.nodes.fill(LagrangianMesh<dim>::invalid);
+      std::copy_n(simplex.nodes.begin(), m + 1, element.nodes.begin());
+      return element;
+    }
+
+    /// The faces, sorted by their nodes; `opposite` is not set yet.
+    template <int dim>
+    std::vector<Face<dim>>
+    make_faces(const std::vector<Simplex<dim>> &simplices, const unsigned int m)
+    {
+      using Key                      = std::pair<std::array<unsigned int, dim>, unsigned int>;
+      constexpr unsigned int invalid = LagrangianMesh<dim>::invalid;
+      std::vector<Key> sides;
+      sides.reserve(simplices.size() * (m + 1));
+      for (unsigned int e = 0; e < simplices.size(); ++e)
+        for (unsigned int k = 0; k <= m; ++k)
+          {
+            std::array<unsigned int, dim> nodes;
+            nodes.fill(invalid);
+            for (unsigned int l = 0, n = 0; l <= m; ++l)
+              if (l != k)
+                nodes[n++] = simplices[e].nodes[l];
+            std::sort(nodes.begin(), nodes.end()); // the unused ones are last
+            sides.emplace_back(nodes, e);
+          }
+      std::sort(sides.begin(), sides.end());
+
+      std::vector<Face<dim>> faces;
+      for (unsigned int i = 0; i < sides.size();)
+        {
+          unsigned int n = 1;
+          while (i + n < sides.size() && sides[i + n].first == sides[i].first)
+            ++n;
+          if (n > 2)
+            throw Error(std::to_string(n) + " elements share one face (elements " +
+                        std::to_string(sides[i].second) + ", " +
+                        std::to_string(sides[i + 1].second) + ", " +
+                        std::to_string(sides[i + 2].second) + "); at most 2 may");
+          faces.push_back({sides[i].first,
+                           {{sides[i].second, n == 2 ? sides[i + 1].second : invalid}},
+                           {{invalid, invalid}}});
+          i += n;
+        }
+      return faces;
+    }
+
+    /// Turns the elements of a curve or surface so that neighbours agree, where that is possible.
+    template <int dim>
+    void
+    orient(std::vector<Simplex<dim>> &simplices,
+           const std::vector<Face<dim>> &faces,
+           const unsigned int m)
+    {
+      // The direction in which an element runs along (m = 1: through) a face.
+      const auto direction = [&](const unsigned int e, const Face<dim> &face) {
+        const auto &nodes = simplices[e].nodes;
+        const unsigned int k =
+          std::find(nodes.begin(), nodes.begin() + m + 1, face.nodes[0]) - nodes.begin();
+        return m == 1 ? k == 0 : nodes[(k + 1) % 3] == face.nodes[1];
+      };
+
+      std::vector<std::vector<unsigned int>> faces_of(simplices.size());
+      for (unsigned int f = 0; f < faces.size(); ++f)
+        if (!faces[f].at_boundary())
+          for (const unsigned int e : faces[f].elements)
+            faces_of[e].push_back(f);
+      std::vector<bool> known(simplices.size(), false);
+      std::vector<unsigned int> front;
+      for (unsigned int first = 0; first < simplices.size(); ++first)
+        {
+          if (known[first])
+            continue;
+          known[first] = true;
+          front        = {first};
+          while (!front.empty())
+            {
+              const unsigned int e = front.back();
+              front.pop_back();
+              for (const unsigned int f : faces_of[e])
+                {
+                  const auto &pair         = faces[f].elements;
+                  const unsigned int other = pair[pair[0] == e];
+                  if (known[other])
+                    continue;
+                  if (direction(e, faces[f]) == direction(other, faces[f]))
+                    {
+                      std::swap(simplices[other].nodes[0], simplices[other].nodes[1]);
+                      std::swap(simplices[other].corners[0], simplices[other].corners[1]);
+                    }
+                  known[other] = true;
+                  front.push_back(other);
+                }
+            }
+        }
+    }
+  } // namespace
+
+  template <int dim>
+  LagrangianMesh<dim>::LagrangianMesh(const unsigned int structure_dim,
+                                      std::vector<Point<dim>> places,
+                                      const std::vector<Simplex> &given)
+    : m(structure_dim)
+    , node_places(std::move(places))
+  {
+    Assert(m == dim || m + 1 == dim, dealii::ExcInternalError());
+    std::vector<Simplex> simplices = given;
+    std::vector<bool> used(node_places.size(), false);
+    for (unsigned int e = 0; e < simplices.size(); ++e)
+      for (unsigned int k = 0; k <= m; ++k)
+        {
+          AssertIndexRange(simplices[e].nodes[k], node_places.size());
+          used[simplices[e].nodes[k]] = true;
+          for (unsigned int l = 0; l < k; ++l)
+            if (simplices[e].nodes[k] == simplices[e].nodes[l])
+              throw Error("element " + std::to_string(e) + " is degenerate: it has node " +
+                          std::to_string(simplices[e].nodes[k]) + " twice");
+        }
+    for (unsigned int i = 0; i < used.size(); ++i)
+      if (!used[i])
+        throw Error("node " + std::to_string(i) + " at " + text(node_places[i]) +
+                    " belongs to no element");
+
+    face_list = make_faces<dim>(simplices, m);
+    if (m < dim)
+      orient<dim>(simplices, face_list, m);
+    element_list.reserve(simplices.size());
+    for (unsigned int e = 0; e < simplices.size(); ++e)
+      element_list.push_back(make_element<dim>(simplices[e], m, "element " + std::to_string(e)));
+
+    is_closed = true;
+    for (Face &face : face_list)
+      {
+        is_closed = is_closed && !face.at_boundary();
+        for (unsigned int side = 0; side < 2; ++side)
+          if (face.elements[side] != invalid)
+            for (unsigned int k = 0; k <= m; ++k)
+              if (std::find(face.nodes.begin(),
+                            face.nodes.begin() + m,
+                            element_list[face.elements[side]].nodes[k]) == face.nodes.begin() + m)
+                face.opposite[side] = k;
+      }
+  }
+
+  template <int dim>
+  unsigned int
+  LagrangianMesh<dim>::structure_dim() const
+  {
+    return m;
+  }
+
+  template <int dim>
+  unsigned int
+  LagrangianMesh<dim>::n_nodes() const
+  {
+    return node_places.size();
+  }
+
+  template <int dim>
+  unsigned int
+  LagrangianMesh<dim>::n_elements() const
+  {
+    return element_list.size();
+  }
+
+  template <int dim>
+  const std::vector<Point<dim>> &
+  LagrangianMesh<dim>::nodes() const
+  {
+    return node_places;
+  }
+
+  template <int dim>
+  const std::vector<Element<dim>> &
+  LagrangianMesh<dim>::elements() const
+  {
+    return element_list;
+  }
+
+  template <int dim>
+  const std::vector<Face<dim>> &
+  LagrangianMesh<dim>::faces() const
+  {
+    return face_list;
+  }
+
+  template <int dim>
+  bool
+  LagrangianMesh<dim>::closed() const
+  {
+    return is_closed;
+  }
+
+  template <int dim>
+  double
+  LagrangianMesh<dim>::diameter() const
+  {
+    double result = 0;
+    for (const Element &element : element_list)
+      result = std::max(result, element.diameter);
+    return result;
+  }
+
+  template <int dim>
+  std::pair<unsigned int, unsigned int>
+  LagrangianMesh<dim>::local_elements() const
+  {
+    const std::uint64_t n    = element_list.size();
+    const std::uint64_t rank = dealii::Utilities::MPI::this_mpi_process(communicator());
+    const std::uint64_t size = dealii::Utilities::MPI::n_mpi_processes(communicator());
+    return {n * rank / size, n * (rank + 1) / size};
+  }
+
+  template class LagrangianMesh<2>;
+  template class LagrangianMesh<3>;
+} // namespace feib

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/error.h>
+#include <feib/log.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+
+namespace feib::log
+{
+  namespace
+  {
+    /// Standard error: information as it is, trouble with its level in front; and on a terminal the
+    /// status line, which the next line replaces.
+    class Console : public spdlog::sinks::base_sink<std::mutex>
+    {
+    public:
+      void
+      status(const std::string &line)
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        std::cerr << "\r\033[K" << line << std::flush;
+        pending = !line.empty();
+      }
+
+    protected:
+      void
+      sink_it_(const spdlog::details::log_msg &message) override
+      {
+        if (pending)
+          std::cerr << "\r\033[K";
+        pending = false;
+        if (message.level != spdlog::level::info)
+          std::cerr << spdlog::level::to_string_view(message.level).data() << ": ";
+        std::cerr.write(message.payload.data(), message.payload.size());
+        std::cerr << std::endl;
+      }
+
+      void
+      flush_() override
+      {
+        std::cerr.flush();
+      }
+
+    private:
+      bool pending = false;
+    };
+
+
+
+    struct Output
+    {
+      Output()
+      {
+        console->set_level(spdlog::level::info);
+        logger.set_level(spdlog::level::trace);
+        logger.flush_on(spdlog::level::info);
+      }
+
+      std::shared_ptr<Console> console = std::make_shared<Console>();
+      spdlog::logger           logger{"feib", console};
+    };
+
+
+
+    /// Never destroyed: a library may log while the program ends.
+    Output &
+    output()
+    {
+      static auto *const output = new Output;
+      return *output;
+    }
+
+
+
+    bool
+    speaks()
+    {
+      return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+    }
+
+
+
+    void
+    write(const spdlog::level::level_enum level, const std::string &message)
+    {
+      if (speaks())
+        output().logger.log(level, spdlog::string_view_t(message));
+    }
+  } // namespace
+
+
+
+  void
+  set_level(const std::string &level)
+  {
+    static const std::vector<std::pair<std::string, spdlog::level::level_enum>> levels = {
+      {"trace", spdlog::level::trace},
+      {"debug", spdlog::level::debug},
+      {"info", spdlog::level::info},
+      {"warning", spdlog::level::warn},
+      {"error", spdlog::level::err},
+      {"off", spdlog::level::off}};
+    const auto place =
+      std::find_if(levels.begin(), levels.end(), [&](const auto &entry) { return entry.first == level; });
+    if (place == levels.end())
+      throw Error("there is no log level \"" + level +
+                  "\"; the levels are trace, debug, info, warning, error and off");
+    output().console->set_level(place->second);
+  }
+
+
+
+  void
+  open_file(const std::string &file)
+  {
+    std::string problem;
+    if (speaks())
+      try
+        {
+          const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file, true);
+          sink->set_level(std::min(spdlog::level::info, output().console->level()));
+          sink->set_pattern("%Y-%m-%d %H:%M:%S %l: %v");
+          output().logger.sinks().push_back(sink);
+        }
+      catch (const spdlog::spdlog_ex &failure)
+        {
+          problem = failure.what();
+        }
+    problem = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, problem);
+    if (!problem.empty())
+      throw RunFailure("cannot write the log file: " + problem);
+  }
+
+
+
+  void
+  status(const std::string &line)
+  {
+    static const bool terminal = isatty(STDERR_FILENO) != 0;
+    if (terminal && speaks() && output().console->should_log(spdlog::level::info))
+      output().console->status(line);
+  }
+
+
+
+  void
+  debug(const std::string &message)
+  {
+    write(spdlog::level::debug, message);
+  }
+
+
+
+  void
+  info(const std::string &message)
+  {
+    write(spdlog::level::info, message);
+  }
+
+
+
+  void
+  warning(const std::string &message)
+  {
+    write(spdlog::level::warn, message);
+  }
+
+
+
+  void
+  error(const std::string &message)
+  {
+    write(spdlog::level::err, message);
+  }
+} // namespace feib::log

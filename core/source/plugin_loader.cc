@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#define BOOST_DLL_USE_STD_FS
+#include <feib/plugin.h>
+#include <feib/plugin_loader.h>
+
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <boost/dll/shared_library.hpp>
+#include <elf.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    /// Whether a file is a whole ELF library. The system's loader maps a truncated one without
+    /// looking and dies on the first access beyond its end.
+    std::string
+    check_file(const std::string &name)
+    {
+      std::ifstream file(name, std::ios::binary);
+      if (!file)
+        return "cannot be read";
+      Elf64_Ehdr header;
+      if (!file.read(reinterpret_cast<char *>(&header), sizeof header) ||
+          std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+        return "is not a shared library";
+      file.seekg(0, std::ios::end);
+      const auto size = static_cast<std::uint64_t>(file.tellg());
+      if (header.e_ident[EI_CLASS] != ELFCLASS64)
+        return "is not a 64-bit library";
+      if (header.e_shoff + std::uint64_t(header.e_shnum) * header.e_shentsize > size ||
+          header.e_phoff + std::uint64_t(header.e_phnum) * header.e_phentsize > size)
+        return "is truncated";
+      for (unsigned int i = 0; i < header.e_phnum; ++i)
+        {
+          Elf64_Phdr segment;
+          file.seekg(header.e_phoff + std::uint64_t(i) * header.e_phentsize);
+          if (!file.read(reinterpret_cast<char *>(&segment), sizeof segment) ||
+              (segment.p_type == PT_LOAD && segment.p_offset + segment.p_filesz > size))
+            return "is truncated";
+        }
+      return "";
+    }
+
+
+
+    /// The loader's own words, without the path it repeats.
+    std::string
+    loader_message(const std::string &text, const std::string &file)
+    {
+      const std::size_t place = text.find(file + ": ");
+      std::string       message =
+        place == std::string::npos ? text : text.substr(place + file.size() + 2);
+      const std::size_t end = message.rfind(": Bad file descriptor");
+      if (end != std::string::npos)
+        message.erase(end);
+      return message;
+    }
+  } // namespace
+
+
+
+  PluginLoader::PluginLoader(Registry &registry)
+    : registry(registry)
+  {}
+
+
+
+  void
+  PluginLoader::load_directory(const std::string &directory)
+  {
+    std::error_code                     problem;
+    std::filesystem::directory_iterator files(directory, problem);
+    if (problem)
+      throw Error("the plugin folder " + directory + " cannot be read: " + problem.message());
+    std::vector<std::string> names;
+    const std::string        ending = ".feib.so";
+    for (const auto &file : files)
+      {
+        const std::string name = file.path().filename().string();
+        if (name.size() > ending.size() &&
+            name.compare(name.size() - ending.size(), ending.size(), ending) == 0)
+          names.push_back(file.path().string());
+      }
+    std::sort(names.begin(), names.end());
+    for (const std::string &name : names)
+      load(name);
+  }
+
+
+
+  const PluginLoader::Result &
+  PluginLoader::load(const std::string &file)
+  {
+    // Never destroyed, so that no library is ever closed.
+    static auto *const libraries = new std::vector<boost::dll::shared_library>;
+
+    result_list.push_back({file, "", "", false, check_file(file), {}});
+    Result &result = result_list.back();
+    if (!result.reason.empty())
+      return result;
+    try
+      {
+        libraries->emplace_back(std::filesystem::absolute(file),
+                                boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
+        if (!libraries->back().has("feib_plugin"))
+          {
+            result.reason = "has no symbol feib_plugin: it is not a Feib plugin";
+            return result;
+          }
+        const auto &plugin = libraries->back().get<const FeibPlugin>("feib_plugin");
+        if (plugin.abi != FEIB_ABI)
+          {
+            result.reason = "was built for interface version " + std::to_string(plugin.abi) +
+                            "; this is version " + std::to_string(FEIB_ABI) + ": rebuild it";
+            return result;
+          }
+        result.plugin  = plugin.name;
+        result.version = plugin.version;
+        if (std::strcmp(plugin.build_tag, FEIB_BUILD_TAG) != 0)
+          {
+            result.reason = std::string("was built with \"") + plugin.build_tag + "\"; this is \"" +
+                            FEIB_BUILD_TAG + "\": rebuild it";
+            return result;
+          }
+        registry.transaction(result.plugin, file, plugin.add_components);
+        result.accepted = true;
+        for (const Registry::Entry &entry : registry.entries())
+          if (entry.origin == file)
+            result.components.push_back(entry.kind + "/" + entry.name);
+      }
+    catch (const std::system_error &failure)
+      {
+        result.reason = "cannot be loaded: " +
+                        loader_message(failure.what(), std::filesystem::absolute(file).string());
+      }
+    catch (const std::exception &failure)
+      {
+        result.reason = failure.what();
+        std::replace(result.reason.begin(), result.reason.end(), '\n', ';');
+      }
+    return result;
+  }
+
+
+
+  const std::vector<PluginLoader::Result> &
+  PluginLoader::results() const
+  {
+    return result_list;
+  }
+
+
+
+  std::vector<std::string>
+  PluginLoader::search_path(const std::vector<std::string> &from_command_line)
+  {
+    std::vector<std::string> path;
+    const auto               add = [&](const std::string &directory) {
+      std::error_code ignored;
+      if (std::none_of(path.begin(), path.end(), [&](const std::string &known) {
+            return known == directory || std::filesystem::equivalent(known, directory, ignored);
+          }))
+        path.push_back(directory);
+    };
+    for (const std::string &directory : from_command_line)
+      add(directory);
+    if (const char *const variable = std::getenv("FEIB_PLUGIN_PATH"))
+      {
+        std::istringstream directories(variable);
+        for (std::string directory; std::getline(directories, directory, ':');)
+          if (!directory.empty())
+            add(directory);
+      }
+    // Beside the core's library: lib/feib/plugins when installed, plugins in a build tree.
+    const std::filesystem::path library = boost::dll::this_line_location().parent_path();
+    const std::filesystem::path built   = FEIB_BUILD_PLUGINS;
+    std::error_code             ignored;
+    if (std::filesystem::is_directory(library / "feib" / "plugins"))
+      add(library / "feib" / "plugins");
+    else if (std::filesystem::is_directory(built) &&
+             std::filesystem::equivalent(built.parent_path(), library.parent_path(), ignored))
+      add(built);
+    return path;
+  }
+} // namespace feib

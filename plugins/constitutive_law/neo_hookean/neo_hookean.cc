@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/constitutive_law.h>
+#include <feib/plugin.h>
+
+#include "neo_hookean_schema.h"
+
+#include <deal.II/base/derivative_form.h>
+
+#include <cmath>
+
+namespace feib
+{
+  /// W = mu_e/2 |F|^2 [- mu_e ln J]. The derivative of ln J is G = F C^-1, which is F^-T for square
+  /// F.
+  template <int structure_dim, int dim>
+  class NeoHookean : public ConstitutiveLaw<structure_dim, dim>
+  {
+  public:
+    using Matrix = typename ConstitutiveLaw<structure_dim, dim>::Matrix;
+
+    explicit NeoHookean(const Parameters &parameters)
+      : mu(parameters.number("shear_modulus"))
+      , stress_free(parameters.boolean("stress_free"))
+    {}
+
+    void
+    energy(const std::vector<Matrix> &F, std::vector<double> &W) const override
+    {
+      W.assign(F.size(), 0.);
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          for (unsigned int i = 0; i < dim; ++i)
+            W[q] += mu / 2 * F[q][i].norm_square();
+          if (stress_free)
+            W[q] -= mu * std::log(Form(F[q]).determinant());
+        }
+    }
+
+    void
+    stress(const std::vector<Matrix> &F, std::vector<Matrix> &P) const override
+    {
+      P.resize(F.size());
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          const Form G = stress_free ? Form(F[q]).covariant_form() : Form();
+          for (unsigned int i = 0; i < dim; ++i)
+            P[q][i] = mu * (F[q][i] - G[i]);
+        }
+    }
+
+    /// dG = dF C^-1 - G (dF^T G + F^T dF C^-1), as d(C^-1) = - C^-1 (dF^T F + F^T dF) C^-1.
+    void
+    stress_derivative(const std::vector<Matrix> &F,
+                      const std::vector<Matrix> &dF,
+                      std::vector<Matrix> &dP) const override
+    {
+      dP.resize(F.size());
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          for (unsigned int i = 0; i < dim; ++i)
+            dP[q][i] = mu * dF[q][i];
+          if (!stress_free)
+            continue;
+          Small C, A; // A = dF^T G + F^T dF C^-1
+          for (unsigned int i = 0; i < dim; ++i)
+            C += outer_product(F[q][i], F[q][i]);
+          const Small inverse = invert(C);
+          for (unsigned int i = 0; i < dim; ++i)
+            A += outer_product(dF[q][i], F[q][i] * inverse) +
+                 outer_product(F[q][i], dF[q][i] * inverse);
+          for (unsigned int i = 0; i < dim; ++i)
+            dP[q][i] -= mu * (dF[q][i] * inverse - F[q][i] * inverse * A);
+        }
+    }
+
+    bool
+    needs_positive_determinant() const override
+    {
+      return stress_free;
+    }
+
+  private:
+    using Form  = dealii::DerivativeForm<1, structure_dim, dim>;
+    using Small = dealii::Tensor<2, structure_dim>;
+
+    double mu;
+    bool stress_free;
+  };
+} // namespace feib
+
+FEIB_PLUGIN("neo_hookean", "1.0", registry)
+{
+  registry.add<feib::ConstitutiveLaw, feib::NeoHookean>("neo_hookean", neo_hookean_schema);
+}

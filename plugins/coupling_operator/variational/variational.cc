@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "variational_schema.h"
+
+#include <feib/coupling_operator.h>
+#include <feib/error.h>
+#include <feib/plugin.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <sstream>
+
+namespace feib
+{
+  /// J u at a point is the finite element velocity there: (J u)_q = u_h(x_q).
+  template <int dim>
+  class Variational : public CouplingOperator<dim>
+  {
+  public:
+    explicit Variational(const Parameters &)
+    {}
+
+    void set_geometry(const EulerianSpace<dim> &space,
+                      const LagrangianMesh<dim> &mesh,
+                      const Positions<dim> &X,
+                      const LagrangianPoints &points) override;
+
+    void interpolate(const EulerianSpace<dim> &space,
+                     const VelocityVector &u,
+                     NodalField<dim> &U) const override;
+
+    void spread(const EulerianSpace<dim> &space,
+                const NodalField<dim> &f,
+                VelocityVector &rhs) const override;
+
+  private:
+    static constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
+
+    // The points in this rank's cells, with the values of the shape functions of the cell there.
+    struct Located
+    {
+      unsigned int point, cell;
+      double values[n];
+    };
+    std::vector<Located> located;
+    unsigned int n_points = 0;
+  };
+
+
+  template <int dim>
+  void
+  Variational<dim>::set_geometry(const EulerianSpace<dim> &space,
+                                 const LagrangianMesh<dim> &,
+                                 const Positions<dim> &X,
+                                 const LagrangianPoints &points)
+  {
+    const Positions<dim> x = points.positions(X);
+    n_points               = x.size();
+    located.clear();
+    Located entry;
+    dealii::Point<dim> unit;
+    for (entry.point = 0; entry.point < n_points; ++entry.point)
+      {
+        // Positions are the same on all ranks, so all of them throw.
+        if (!space.forest().inside(x[entry.point]))
+          {
+            std::ostringstream message;
+            message << "point " << entry.point << " of a structure is at (" << x[entry.point]
+                    << "), outside the box";
+            throw RunFailure(message.str());
+          }
+        entry.cell = space.forest().locate(x[entry.point], unit);
+        if (entry.cell == CartesianForest<dim>::not_here)
+          continue;
+        EulerianSpace<dim>::shape_values(unit, entry.values);
+        located.push_back(entry);
+      }
+  }
+
+
+  template <int dim>
+  void
+  Variational<dim>::interpolate(const EulerianSpace<dim> &space,
+                                const VelocityVector &u,
+                                NodalField<dim> &U) const
+  {
+    std::vector<double> values(n_points * dim, 0.);
+    for (const Located &entry : located)
+      {
+        const unsigned int *dofs = space.velocity_dofs(entry.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n; ++i)
+            values[entry.point * dim + a] += entry.values[i] * u.local_element(dofs[a * n + i]);
+      }
+    dealii::Utilities::MPI::sum(values, space.communicator(), values);
+    U.resize(n_points);
+    for (unsigned int q = 0; q < n_points; ++q)
+      for (unsigned int a = 0; a < dim; ++a)
+        U[q][a] = values[q * dim + a];
+  }
+
+
+  template <int dim>
+  void
+  Variational<dim>::spread(const EulerianSpace<dim> &space,
+                           const NodalField<dim> &f,
+                           VelocityVector &rhs) const
+  {
+    rhs.zero_out_ghost_values();
+    for (const Located &entry : located)
+      {
+        const unsigned int *dofs = space.velocity_dofs(entry.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n; ++i)
+            rhs.local_element(dofs[a * n + i]) += entry.values[i] * f[entry.point][a];
+      }
+    rhs.compress(dealii::VectorOperation::add);
+  }
+} // namespace feib
+
+
+FEIB_PLUGIN("variational", "1.0", registry)
+{
+  registry.add<feib::CouplingOperator, feib::Variational>("variational", variational_schema);
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_plugins_navier_stokes_direct_solver_h
+#define feib_plugins_navier_stokes_direct_solver_h
+
+#include <feib/eulerian_space.h>
+
+#include <petscksp.h>
+
+#include <functional>
+#include <vector>
+
+namespace feib
+{
+  /// The factorised saddle point matrix [A -B^T; -B 0] of all velocity and pressure unknowns, by
+  /// MUMPS through PETSc: L D L^T when A is symmetric, L U otherwise. In an enclosed flow the first
+  /// pressure unknown is held at zero.
+  template <int dim>
+  class DirectSolver
+  {
+  public:
+    static constexpr unsigned int n_local =
+      EulerianSpace<dim>::n_velocity + EulerianSpace<dim>::n_pressure;
+
+    /// The matrix of a cell, velocity unknowns first.
+    using CellMatrix = std::function<void(unsigned int cell, dealii::FullMatrix<double> &matrix)>;
+
+    DirectSolver()                     = default;
+    DirectSolver(const DirectSolver &) = delete;
+    ~DirectSolver();
+
+    /// Assembles and factorises. Collective. Throws RunFailure when MUMPS fails.
+    void factorize(const EulerianSpace<dim> &space, const CellMatrix &cell_matrix, bool symmetric);
+
+    /// (u, p) = matrix^{-1} (f, g) for condensed f; constrained entries of u are zero. Collective.
+    void
+    solve(const VelocityVector &f, const PressureVector &g, VelocityVector &u, PressureVector &p);
+
+  private:
+    void clear();
+
+    void set_up_numbering(const EulerianSpace<dim> &space);
+
+    // Numbers of all unknowns: of each rank first its velocities, then its pressures.
+    unsigned int numbering_revision = 0;
+    dealii::IndexSet owned;
+    std::vector<dealii::types::global_dof_index> cell_indices;
+    dealii::AffineConstraints<double> constraints;
+
+    KSP solver          = nullptr;
+    Vec right_hand_side = nullptr, solution = nullptr;
+  };
+} // namespace feib
+
+#endif

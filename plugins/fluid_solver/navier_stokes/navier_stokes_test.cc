@@ -1,0 +1,481 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "cell_operators.h"
+
+#include <feib/error.h>
+#include <feib/fluid_solver.h>
+#include <feib/testing/spaces.h>
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/numerics/vector_tools.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace
+{
+  using namespace feib;
+  using dealii::numbers::PI;
+
+  template <int dim>
+  std::unique_ptr<FluidSolver<dim>>
+  make_solver(const std::string &json)
+  {
+    return testing::registry().create<FluidSolver<dim>>("navier_stokes", json);
+  }
+
+
+  // --- the kernels against deal.II's own assembly
+
+  template <int dim>
+  void
+  check_kernels()
+  {
+    SCOPED_TRACE("dim " + std::to_string(dim));
+    const auto space =
+      testing::make_space<dim>(dim == 2 ? "{\"cells\": [2, 3], \"upper\": [1, 2]}"
+                                        : "{\"cells\": [2, 1, 3], \"upper\": [1, 2, 1.5]}");
+    const CellOperators<dim> operators;
+    constexpr unsigned int n = CellOperators<dim>::n, n_u = CellOperators<dim>::n_u,
+                           n_p = CellOperators<dim>::n_p;
+    const auto &velocity_fe    = space->velocity_handler().get_fe();
+    const auto &pressure_fe    = space->pressure_handler().get_fe();
+    const auto quadrature      = dealii::QGauss<dim>(4);
+    const auto flags = dealii::update_values | dealii::update_gradients | dealii::update_JxW_values;
+    dealii::FEValues<dim> u(space->mapping(), velocity_fe, quadrature, flags);
+    dealii::FEValues<dim> p(space->mapping(), pressure_fe, quadrature, flags);
+    const dealii::FEValuesExtractors::Vector v(0);
+    const auto cell = space->velocity_handler().begin_active();
+    u.reinit(cell);
+    p.reinit(typename dealii::DoFHandler<dim>::active_cell_iterator(
+      &space->triangulation(), cell->level(), cell->index(), &space->pressure_handler()));
+    const auto lexicographic = dealii::FETools::hierarchic_to_lexicographic_numbering<dim>(2);
+    const auto local         = [&](const unsigned int i) {
+      const auto [component, node] = velocity_fe.system_to_component_index(i);
+      return component * n + lexicographic[node];
+    };
+    const auto size = space->cells()[0].size;
+
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    std::vector<double> w(n_u), x(n_u), convected(n_u, 0.);
+    for (unsigned int i = 0; i < n_u; ++i)
+      w[i] = uniform(random), x[i] = uniform(random);
+
+    for (const bool flag : {false, true})
+      {
+        const auto velocity   = operators.velocity_matrix(size, 2., 3., flag);
+        const auto divergence = operators.divergence_matrix(size);
+        const auto grad_div   = operators.grad_div_matrix(size);
+        const auto convection = operators.convection_matrix(size, w.data(), 1.5, flag);
+        double error          = 0;
+        for (unsigned int i = 0; i < n_u; ++i)
+          for (unsigned int j = 0; j < n_u; ++j)
+            {
+              double a = 0, g = 0, c = 0;
+              for (unsigned int q = 0; q < quadrature.size(); ++q)
+                {
+                  dealii::Tensor<1, dim> wq;
+                  for (unsigned int k = 0; k < n_u; ++k)
+                    wq += w[local(k)] * u[v].value(k, q);
+                  a +=
+                    u.JxW(q) *
+                    (2 * (u[v].value(i, q) * u[v].value(j, q)) +
+                     3 * (flag ? 2 * (u[v].symmetric_gradient(i, q) * u[v].symmetric_gradient(j, q))
+                               : scalar_product(u[v].gradient(i, q), u[v].gradient(j, q))));
+                  g += u.JxW(q) * u[v].divergence(i, q) * u[v].divergence(j, q);
+                  c += 1.5 * u.JxW(q) *
+                       (flag ? .5 * ((u[v].gradient(j, q) * wq) * u[v].value(i, q) -
+                                     (u[v].gradient(i, q) * wq) * u[v].value(j, q))
+                             : (u[v].gradient(j, q) * wq) * u[v].value(i, q));
+                }
+              const unsigned int li = local(i), lj = local(j);
+              error            = std::max(error, std::abs(a - velocity[li * n_u + lj]));
+              error            = std::max(error, std::abs(g - grad_div[li * n_u + lj]));
+              const double own = li / n == lj / n ? convection[(li % n) * n + lj % n] : 0.;
+              error            = std::max(error, std::abs(c - own));
+            }
+        for (unsigned int k = 0; k < n_p; ++k)
+          for (unsigned int j = 0; j < n_u; ++j)
+            {
+              double b = 0;
+              for (unsigned int q = 0; q < quadrature.size(); ++q)
+                b += u.JxW(q) * p.shape_value(k, q) * u[v].divergence(j, q);
+              error = std::max(error, std::abs(b - divergence[k * n_u + local(j)]));
+            }
+        EXPECT_LT(error, 1e-12);
+
+        std::fill(convected.begin(), convected.end(), 0.);
+        operators.add_convection(size, w.data(), x.data(), 1.5, flag, convected.data());
+        for (unsigned int i = 0; i < n_u; ++i)
+          {
+            double expected = 0;
+            for (unsigned int j = 0; j < n; ++j)
+              expected += convection[(i % n) * n + j] * x[i / n * n + j];
+            EXPECT_NEAR(convected[i], expected, 1e-12);
+          }
+      }
+  }
+
+
+  // --- a manufactured solution, prescribed on the boundary
+
+  const char *const u_2d = "[\"sin(pi*x)*cos(pi*y)\", \"-cos(pi*x)*sin(pi*y)\"]";
+  // rho u.grad u - mu laplace u + grad p with p = cos(pi x) sin(pi y), rho = 1, mu = 0.1
+  const char *const f_2d =
+    "[\"pi/2*sin(2*pi*x) + 0.2*pi^2*sin(pi*x)*cos(pi*y) - pi*sin(pi*x)*sin(pi*y)\","
+    " \"pi/2*sin(2*pi*y) - 0.2*pi^2*cos(pi*x)*sin(pi*y) + pi*cos(pi*x)*cos(pi*y)\"]";
+  const char *const u_3d = "[\"sin(pi*x)*cos(pi*y)\", \"-cos(pi*x)*sin(pi*y)\", \"0.5*x*y\"]";
+  // The third component of u.grad u is 0.5 (y sin cos - x cos sin).
+  const char *const f_3d =
+    "[\"pi/2*sin(2*pi*x) + 0.2*pi^2*sin(pi*x)*cos(pi*y) - pi*sin(pi*x)*sin(pi*y)\","
+    " \"pi/2*sin(2*pi*y) - 0.2*pi^2*cos(pi*x)*sin(pi*y) + pi*cos(pi*x)*cos(pi*y)\","
+    " \"0.5*(y*sin(pi*x)*cos(pi*y) - x*cos(pi*x)*sin(pi*y))\"]";
+
+  template <int dim>
+  class Velocity : public dealii::Function<dim>
+  {
+  public:
+    Velocity()
+      : dealii::Function<dim>(dim)
+    {}
+    double
+    value(const dealii::Point<dim> &x, const unsigned int c) const override
+    {
+      return c == 0   ? std::sin(PI * x[0]) * std::cos(PI * x[1])
+             : c == 1 ? -std::cos(PI * x[0]) * std::sin(PI * x[1])
+                      : .5 * x[0] * x[1];
+    }
+    dealii::Tensor<1, dim>
+    gradient(const dealii::Point<dim> &x, const unsigned int c) const override
+    {
+      dealii::Tensor<1, dim> g;
+      const double sx = std::sin(PI * x[0]), cx = std::cos(PI * x[0]);
+      const double sy = std::sin(PI * x[1]), cy = std::cos(PI * x[1]);
+      g[0] = c == 0 ? PI * cx * cy : c == 1 ? PI * sx * sy : .5 * x[1];
+      g[1] = c == 0 ? -PI * sx * sy : c == 1 ? -PI * cx * cy : .5 * x[0];
+      return g;
+    }
+  };
+
+  template <int dim>
+  class Pressure : public dealii::Function<dim>
+  {
+  public:
+    double
+    value(const dealii::Point<dim> &x, const unsigned int) const override
+    {
+      return std::cos(PI * x[0]) * std::sin(PI * x[1]);
+    }
+  };
+
+  template <int dim>
+  struct Errors
+  {
+    double u, grad_u, p;
+  };
+
+  template <int dim>
+  Errors<dim>
+  errors(const EulerianSpace<dim> &space)
+  {
+    const auto norm =
+      [&](const auto &handler, const auto &vector, const auto &exact, const auto type) {
+        dealii::Vector<double> cells(space.triangulation().n_active_cells());
+        dealii::VectorTools::integrate_difference(
+          space.mapping(), handler, vector, exact, cells, dealii::QGauss<dim>(5), type);
+        return dealii::VectorTools::compute_global_error(space.triangulation(), cells, type);
+      };
+    return {
+      norm(space.velocity_handler(), space.velocity, Velocity<dim>(), dealii::VectorTools::L2_norm),
+      norm(space.velocity_handler(),
+           space.velocity,
+           Velocity<dim>(),
+           dealii::VectorTools::H1_seminorm),
+      norm(
+        space.pressure_handler(), space.pressure, Pressure<dim>(), dealii::VectorTools::L2_norm)};
+  }
+
+  template <int dim>
+  std::string
+  driven_box(const unsigned int n)
+  {
+    const std::string face =
+      std::string("{\"velocity\": {\"value\": ") + (dim == 2 ? u_2d : u_3d) + "}}";
+    std::string result = "{\"cells\": [" + std::to_string(n) + "," + std::to_string(n);
+    if (dim == 3)
+      result += "," + std::to_string(n);
+    result += "], \"boundary\": {";
+    for (const std::string name : {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"})
+      if (dim == 3 || name[0] != 'z')
+        result += (name == "x_min" ? "\"" : ", \"") + name + "\": " + face;
+    return result + "}}";
+  }
+
+  /// Steady state in one step of huge length, by Newton.
+  template <int dim>
+  Errors<dim>
+  solve_steady(const unsigned int n, const bool hanging, const std::string &options)
+  {
+    const auto space = testing::make_space<dim>(driven_box<dim>(n));
+    if (hanging)
+      testing::refine_where(*space, [](const auto &x) { return x[0] + x[1] < 1; });
+    const auto solver = make_solver<dim>(
+      std::string("{\"density\": 1, \"viscosity\": 0.1, \"convection\": \"implicit\", ") +
+      "\"body_force\": " + (dim == 2 ? f_2d : f_3d) + options + "}");
+    solver->initialize(*space);
+    space->old_velocity       = space->velocity;
+    const VelocityVector load = space->make_velocity();
+    solver->advance(*space, {1e8, 1e8, load});
+    return errors(*space);
+  }
+
+  template <int dim>
+  void
+  check_rates(const unsigned int n, const bool hanging, const std::string &options = "")
+  {
+    const Errors<dim> coarse = solve_steady<dim>(n, hanging, options),
+                      fine   = solve_steady<dim>(2 * n, hanging, options);
+    const double u = std::log2(coarse.u / fine.u), grad = std::log2(coarse.grad_u / fine.grad_u),
+                 p = std::log2(coarse.p / fine.p);
+    ::testing::Test::RecordProperty("rates",
+                                    std::to_string(u) + " " + std::to_string(grad) + " " +
+                                      std::to_string(p));
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      std::cout << "dim " << dim << (hanging ? ", hanging nodes" : ", uniform") << ": |u| "
+                << fine.u << ", |grad u| " << fine.grad_u << ", |p| " << fine.p << ", rates " << u
+                << ' ' << grad << ' ' << p << std::endl;
+    EXPECT_NEAR(u, 3, .15);
+    EXPECT_NEAR(grad, 2, .15);
+    EXPECT_NEAR(p, 2, .15);
+  }
+} // namespace
+
+
+TEST(NavierStokes, KernelsAgreeWithAssembly)
+{
+  check_kernels<2>();
+  check_kernels<3>();
+}
+
+TEST(NavierStokes, RatesOnUniformMeshes)
+{
+  check_rates<2>(16, false);
+  check_rates<2>(16,
+                 false,
+                 ", \"viscous_form\": \"laplacian\", \"convective_form\": \"convective\"");
+}
+
+TEST(NavierStokes, RatesWithHangingNodes)
+{
+  check_rates<2>(16, true);
+}
+
+TEST(NavierStokes, RatesIn3D)
+{
+  check_rates<3>(3, false);
+}
+
+TEST(NavierStokes, FirstOrderInTimeAndExplicitConvectionAgrees)
+{
+  // The exact field times exp(-t): only the time error shows against a fine run of the same mesh.
+  const auto run = [](const unsigned int steps, const std::string &convection) {
+    const auto space = testing::make_space<2>("{\"cells\": [8, 8], \"periodic\": [\"x\", \"y\"]}");
+    const auto solver =
+      make_solver<2>("{\"density\": 1, \"viscosity\": 0.02, \"convection\": \"" + convection +
+                     "\", \"initial_velocity\": [\"sin(2*pi*x)*cos(2*pi*y)+0.3\", "
+                     "\"-cos(2*pi*x)*sin(2*pi*y)\"]}");
+    solver->initialize(*space);
+    space->old_velocity       = space->velocity;
+    const VelocityVector load = space->make_velocity();
+    const double dt           = .2 / steps;
+    for (unsigned int i = 0; i < steps; ++i)
+      {
+        space->older_velocity = space->old_velocity;
+        space->old_velocity   = space->velocity;
+        solver->advance(*space, {(i + 1) * dt, dt, load});
+        space->old_dt = dt;
+      }
+    return space->velocity;
+  };
+  for (const std::string convection : {"explicit", "implicit"})
+    {
+      const VelocityVector fine = run(160, convection);
+      double error[2];
+      for (unsigned int k = 0; k < 2; ++k)
+        {
+          VelocityVector difference = run(5 << k, convection);
+          difference -= fine;
+          error[k] = difference.l2_norm();
+        }
+      EXPECT_NEAR(std::log2(error[0] / error[1]), 1, .2) << convection;
+    }
+  VelocityVector difference = run(160, "explicit");
+  const double scale        = difference.l2_norm();
+  difference -= run(160, "implicit");
+  EXPECT_LT(difference.l2_norm(), 1e-3 * scale);
+}
+
+TEST(NavierStokes, EnergyIdentityWithSkewSymmetricConvection)
+{
+  // E^{n+1} - E^n + rho/2 |u^{n+1} - u^n|^2 + dt a(u,u) = 0 in a closed box: b(u,u,u) = 0.
+  const auto space = testing::make_space<2>("{\"cells\": [8, 8]}");
+  testing::refine_where(*space, [](const auto &x) { return x[1] > .6; });
+  const auto solver =
+    make_solver<2>("{\"density\": 2, \"viscosity\": 0.01, \"convection\": \"implicit\", "
+                   "\"tolerance\": 1e-12, \"initial_velocity\": "
+                   "[\"sin(pi*x)^2*sin(2*pi*y)\", \"-sin(pi*y)^2*sin(2*pi*x)\"]}");
+  solver->initialize(*space);
+  const VelocityVector load = space->make_velocity();
+  double before             = solver->balance(*space).kinetic_energy;
+  for (unsigned int i = 0; i < 3; ++i)
+    {
+      space->old_velocity = space->velocity;
+      solver->advance(*space, {.1 * (i + 1), .1, load});
+      const auto after = solver->balance(*space);
+      VelocityVector u = space->velocity;
+      space->velocity -= space->old_velocity;
+      space->velocity.update_ghost_values();
+      const double jump = solver->balance(*space).kinetic_energy;
+      space->velocity   = u;
+      space->velocity.update_ghost_values();
+      EXPECT_NEAR(after.kinetic_energy - before + jump + .1 * after.dissipation, 0, 1e-11 * before);
+      EXPECT_GT(jump, 1e-6 * before);
+      before = after.kinetic_energy;
+    }
+}
+
+TEST(NavierStokes, BoundaryWorkClosesTheBalanceOfADrivenCavity)
+{
+  const auto space =
+    testing::make_space<2>("{\"cells\": [8, 8], \"boundary\": {\"y_max\": {\"velocity\": "
+                           "{\"value\": [\"16*x^2*(1-x)^2\", 0]}}}}");
+  const auto solver = make_solver<2>(
+    "{\"density\": 1, \"viscosity\": 0.1, \"convection\": \"implicit\", \"tolerance\": 1e-12}");
+  solver->initialize(*space);
+  space->velocity = 0.;
+  space->velocity.update_ghost_values();
+  const VelocityVector load = space->make_velocity();
+  double before             = 0;
+  for (unsigned int i = 0; i < 3; ++i)
+    {
+      space->old_velocity = space->velocity;
+      solver->advance(*space, {.05 * (i + 1), .05, load});
+      const auto after = solver->balance(*space);
+      VelocityVector u = space->velocity;
+      space->velocity -= space->old_velocity;
+      space->velocity.update_ghost_values();
+      const double jump = solver->balance(*space).kinetic_energy;
+      space->velocity   = u;
+      space->velocity.update_ghost_values();
+      EXPECT_GT(after.boundary_power, 0);
+      EXPECT_NEAR(after.kinetic_energy - before + jump + .05 * after.dissipation,
+                  .05 * after.boundary_power,
+                  1e-10 * after.boundary_power);
+      before = after.kinetic_energy;
+    }
+}
+
+TEST(NavierStokes, AddedOperatorJoinsTheMatrix)
+{
+  // Added: c times what a mass of the same density gives; the step then is that of density 1 + c.
+  const auto space  = testing::make_space<2>("{\"cells\": [6, 6]}");
+  const auto second = testing::make_space<2>("{\"cells\": [6, 6]}");
+  testing::refine_where(*space, [](const auto &x) { return x[0] < .5; });
+  testing::refine_where(*second, [](const auto &x) { return x[0] < .5; });
+  const double dt = .1, c = 2.5;
+  const CellOperators<2> operators;
+  constexpr unsigned int n_u = CellOperators<2>::n_u;
+  VelocityVector load        = space->make_velocity();
+  for (unsigned int i = 0; i < load.locally_owned_size(); ++i)
+    load.local_element(i) = std::sin(1. + load.get_partitioner()->local_to_global(i));
+  const auto added = [&](VelocityVector &dst, const VelocityVector &src) {
+    VelocityVector result = space->make_velocity();
+    for (unsigned int k = 0; k < space->cells().size(); ++k)
+      {
+        const auto matrix = operators.velocity_matrix(space->cells()[k].size, c / dt, 0, true);
+        const auto *dofs  = space->velocity_dofs(k);
+        for (unsigned int i = 0; i < n_u; ++i)
+          for (unsigned int j = 0; j < n_u; ++j)
+            result.local_element(dofs[i]) += matrix[i * n_u + j] * src.local_element(dofs[j]);
+      }
+    result.compress(dealii::VectorOperation::add);
+    dst += result;
+  };
+  const auto light =
+    make_solver<2>("{\"density\": 1, \"viscosity\": 0.1, \"convection\": \"none\"}");
+  const auto heavy =
+    make_solver<2>("{\"density\": 3.5, \"viscosity\": 0.1, \"convection\": \"none\"}");
+  light->initialize(*space);
+  heavy->initialize(*second);
+  space->old_velocity  = space->velocity;
+  second->old_velocity = second->velocity;
+  light->advance(*space, {dt, dt, load, added});
+  heavy->advance(*second, {dt, dt, load});
+  VelocityVector difference = space->velocity;
+  difference -= second->velocity;
+  EXPECT_GT(second->velocity.l2_norm(), 1e-3);
+  EXPECT_LT(difference.l2_norm(), 1e-7 * second->velocity.l2_norm());
+}
+
+TEST(NavierStokes, LateFactorisationIsReplacedWhenConvectionDominates)
+{
+  // At a cell Reynolds number of about 60 the Stokes factorisation stalls; Newton still converges.
+  const auto space =
+    testing::make_space<2>("{\"cells\": [8, 8], \"boundary\": {\"y_max\": "
+                           "{\"velocity\": {\"value\": [\"16*x^2*(1-x)^2\", 0]}}}}");
+  const auto solver = make_solver<2>("{\"density\": 1, \"viscosity\": 0.002, \"convection\": "
+                                     "\"implicit\", \"max_iterations\": 40}");
+  solver->initialize(*space);
+  space->old_velocity       = space->velocity;
+  const VelocityVector load = space->make_velocity();
+  const auto first          = solver->advance(*space, {1, 1, load});
+  EXPECT_GE(first.nonlinear_iterations, 3u);
+  EXPECT_LT(solver->balance(*space).largest_velocity, 1.5);
+}
+
+TEST(NavierStokes, NetFluxThroughAClosedBoxIsRefused)
+{
+  const auto space  = testing::make_space<2>("{\"cells\": [4, 4], \"boundary\": {\"x_min\": "
+                                             "{\"velocity\": {\"value\": [\"y*(1-y)\", 0]}}}}");
+  const auto solver = make_solver<2>("{\"density\": 1, \"viscosity\": 1}");
+  solver->initialize(*space);
+  const VelocityVector load = space->make_velocity();
+  EXPECT_THROW(solver->advance(*space, {1, 1, load}), RunFailure);
+  const auto open = testing::make_space<2>(
+    "{\"cells\": [4, 4], \"boundary\": {\"x_min\": {\"velocity\": {\"value\": [\"y*(1-y)\", 0]}}, "
+    "\"x_max\": {\"outflow\": {}}}}");
+  const auto again = make_solver<2>("{\"density\": 1, \"viscosity\": 1}");
+  again->initialize(*open);
+  const VelocityVector zero = open->make_velocity();
+  again->advance(*open, {1, 1, zero});
+  EXPECT_GT(again->balance(*open).momentum[0], .1);
+}
+
+TEST(NavierStokes, FreeSlipAndPoiseuille)
+{
+  // Poiseuille flow is in the space: driven by a body force in a periodic channel, exactly 4 y
+  // (1-y).
+  const auto space = testing::make_space<2>("{\"cells\": [4, 3], \"periodic\": [\"x\"]}");
+  testing::refine_where(*space, [](const auto &x) { return x[0] < .3; });
+  const auto solver = make_solver<2>(
+    "{\"density\": 1, \"viscosity\": 0.5, \"convection\": \"implicit\", \"body_force\": [4, 0]}");
+  solver->initialize(*space);
+  const VelocityVector load = space->make_velocity();
+  solver->advance(*space, {1e9, 1e9, load});
+  EXPECT_NEAR(solver->balance(*space).momentum[0], 2. / 3, 1e-7);
+  EXPECT_NEAR(solver->balance(*space).divergence, 0, 1e-8);
+
+  // With one wall slipping it is 4 y (2 - y): momentum 4 (1 - 1/3).
+  const auto slip = testing::make_space<2>(
+    "{\"cells\": [4, 3], \"periodic\": [\"x\"], \"boundary\": {\"y_max\": {\"free_slip\": {}}}}");
+  const auto slipping = make_solver<2>(
+    "{\"density\": 1, \"viscosity\": 0.5, \"convection\": \"implicit\", \"body_force\": [4, 0]}");
+  slipping->initialize(*slip);
+  const VelocityVector zero = slip->make_velocity();
+  slipping->advance(*slip, {1e9, 1e9, zero});
+  EXPECT_NEAR(slipping->balance(*slip).momentum[0], 8. / 3, 1e-6);
+}

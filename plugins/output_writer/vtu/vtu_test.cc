@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../output_test.h"
+
+#include <deal.II/base/utilities.h>
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <regex>
+
+#include <zlib.h>
+
+namespace
+{
+  using namespace feib;
+  using namespace dealii;
+  using feib::testing::TemporaryFolder;
+
+  /// The arrays of a vtu file by name, read without the library that wrote them.
+  class VtuFile
+  {
+  public:
+    explicit VtuFile(const std::string &text)
+    {
+      static const std::regex tag("<DataArray([^>]*)>([^<]*)</DataArray>");
+      static const std::regex name(" Name=\"([^\"]*)\""), type(" type=\"([^\"]*)\"");
+      for (std::sregex_iterator match(text.begin(), text.end(), tag), end; match != end; ++match)
+        {
+          const std::string attributes = (*match)[1];
+          std::smatch what;
+          const std::string key =
+            std::regex_search(attributes, what, name) ? what[1].str() : "Points";
+          std::regex_search(attributes, what, type);
+          arrays[key] = decode((*match)[2], what[1]);
+        }
+      static const std::regex version_tag("VTKFile[^>]* version=\"([0-9.]*)\"");
+      std::smatch what;
+      if (std::regex_search(text, what, version_tag))
+        version = std::stod(what[1]);
+    }
+
+    const std::vector<double> &
+    operator[](const std::string &name) const
+    {
+      return arrays.at(name);
+    }
+
+    template <int dim>
+    Point<dim>
+    point(const unsigned int i) const
+    {
+      Point<dim> result;
+      for (unsigned int d = 0; d < dim; ++d)
+        result[d] = arrays.at("Points")[3 * i + d];
+      return result;
+    }
+
+    double version = 0;
+
+  private:
+    /// Base64 of four numbers (blocks, bytes in a block, bytes in the last, compressed bytes), then
+    /// base64 of one zlib stream.
+    static std::vector<double>
+    decode(std::string text, const std::string &type)
+    {
+      text.erase(std::remove_if(text.begin(), text.end(), ::isspace), text.end());
+      const std::vector<unsigned char> head = Utilities::decode_base64(text.substr(0, 24));
+      std::uint32_t sizes[4];
+      std::memcpy(sizes, head.data(), sizeof(sizes));
+      const std::vector<unsigned char> packed = Utilities::decode_base64(text.substr(24));
+      std::vector<unsigned char> bytes(sizes[1]);
+      uLongf n_bytes = bytes.size();
+      EXPECT_EQ(uncompress(bytes.data(), &n_bytes, packed.data(), sizes[3]), Z_OK);
+      if (type == "Float32")
+        return convert<float>(bytes);
+      if (type == "Float64")
+        return convert<double>(bytes);
+      if (type == "Int32")
+        return convert<std::int32_t>(bytes);
+      EXPECT_EQ(type, "UInt8");
+      return convert<std::uint8_t>(bytes);
+    }
+
+    template <typename T>
+    static std::vector<double>
+    convert(const std::vector<unsigned char> &bytes)
+    {
+      std::vector<T> values(bytes.size() / sizeof(T));
+      std::memcpy(values.data(), bytes.data(), bytes.size());
+      return {values.begin(), values.end()};
+    }
+
+    std::map<std::string, std::vector<double>> arrays;
+  };
+
+  template <int dim>
+  Tensor<1, dim>
+  exact_velocity(const Point<dim> &x)
+  {
+    Tensor<1, dim> u;
+    u[0] = 1 + x[0] * x[0] - 2 * x[0] * x[1];
+    u[1] = x[1] * x[1] + 3 * x[0] - x[dim - 1];
+    u[dim - 1] += .5 * x[0] * x[dim - 1];
+    return u;
+  }
+
+  template <int dim>
+  double
+  exact_pressure(const Point<dim> &x)
+  {
+    return 2 - x[0] + 3 * x[1] + .5 * x[dim - 1];
+  }
+
+  template <int dim>
+  std::unique_ptr<EulerianSpace<dim>>
+  make_state()
+  {
+    // Open on all sides: no boundary value disturbs the fields.
+    std::string faces;
+    for (const char *face : {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"})
+      if (dim == 3 || face[0] != 'z')
+        faces += (faces.empty() ? "\"" : ", \"") + std::string(face) + R"(": {"outflow": {}})";
+    auto space = feib::testing::make_space<dim>(
+      std::string(dim == 2 ? R"({"cells": [3, 4])" : R"({"cells": [2, 3, 2])") +
+      R"(, "boundary": {)" + faces + "}}");
+    feib::testing::refine_where(*space, [](const auto &x) { return x[0] < .5; });
+
+    const FiniteElement<dim> &fe = space->pressure_handler().get_fe();
+    const std::uint64_t n        = space->cells().size();
+    for (unsigned int c = 0; c < n; ++c)
+      {
+        const auto &cell = space->cells()[c];
+        for (unsigned int i = 0; i < EulerianSpace<dim>::n_nodes; ++i)
+          {
+            Point<dim> x      = cell.lower;
+            unsigned int rest = i;
+            for (unsigned int a = 0; a < dim; ++a, rest /= 3)
+              x[a] += cell.size[a] * (rest % 3) / 2.;
+            for (unsigned int a = 0; a < dim; ++a)
+              if (const auto dof = space->velocity_dofs(c)[a * EulerianSpace<dim>::n_nodes + i];
+                  dof < space->velocity.locally_owned_size())
+                space->velocity.local_element(dof) = exact_velocity<dim>(x)[a];
+          }
+        const unsigned int *dofs               = space->pressure_dofs(c);
+        space->pressure.local_element(dofs[0]) = exact_pressure<dim>(cell.lower + .5 * cell.size);
+        for (unsigned int a = 0; a < dim; ++a)
+          {
+            Point<dim> low, high;
+            high[a] = 1;
+            Tensor<1, dim> edge;
+            edge[a]            = cell.size[a];
+            const double slope = fe.shape_value(1 + a, high) - fe.shape_value(1 + a, low);
+            space->pressure.local_element(dofs[1 + a]) =
+              (exact_pressure<dim>(cell.lower + edge) - exact_pressure<dim>(cell.lower)) / slope;
+          }
+      }
+    space->distribute(space->velocity, false);
+    return space;
+  }
+
+  /// In units of the cell, twice: where VTK expects the points of a Lagrange cell of degree 2.
+  template <int dim>
+  std::vector<std::array<int, 3>>
+  lagrange_points(const bool old_order)
+  {
+    if (dim == 2)
+      return {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}, {1, 1}};
+    std::vector<std::array<int, 3>> points = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2},
+                                              {2, 0, 2}, {2, 2, 2}, {0, 2, 2}, {1, 0, 0}, {2, 1, 0},
+                                              {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2}, {1, 2, 2},
+                                              {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1},
+                                              {0, 1, 1}, {2, 1, 1}, {1, 0, 1}, {1, 2, 1}, {1, 1, 0},
+                                              {1, 1, 2}, {1, 1, 1}};
+    if (old_order)
+      std::swap(points[18], points[19]);
+    return points;
+  }
+
+  template <int dim>
+  void
+  check_fluid()
+  {
+    TemporaryFolder folder;
+    const auto space = make_state<dim>();
+    const std::vector<ImmersedStructure<dim>> structures;
+    const Ledger ledger;
+    const auto writer = feib::testing::registry().create<OutputWriter<dim>>("vtu");
+    writer->write({10, .25, folder.path, *space, structures, ledger});
+
+    const VtuFile vtu(folder.read("fluid_000010." + std::to_string(folder.rank()) + ".vtu"));
+    const unsigned int n_nodes = EulerianSpace<dim>::n_nodes;
+    const unsigned int n_cells = vtu["types"].size();
+    EXPECT_EQ(n_cells, space->cells().size());
+    for (const double type : vtu["types"])
+      EXPECT_EQ(type, dim == 2 ? 70 : 72); // VTK_LAGRANGE_QUADRILATERAL, _HEXAHEDRON
+    ASSERT_EQ(vtu["Points"].size(), 3 * n_nodes * n_cells);
+    ASSERT_EQ(vtu["connectivity"].size(), n_nodes * n_cells);
+
+    // Readers of VTK 9 swap two edges of hexahedra in files older than version 2.2.
+    const auto lagrange = lagrange_points<dim>(vtu.version < 2.2);
+    for (unsigned int c = 0; c < n_cells; ++c)
+      {
+        const Point<dim> lower = vtu.point<dim>(vtu["connectivity"][c * n_nodes]);
+        const Tensor<1, dim> size =
+          vtu.point<dim>(vtu["connectivity"][c * n_nodes + (dim == 2 ? 2 : 6)]) - lower;
+        for (unsigned int i = 0; i < n_nodes; ++i)
+          {
+            const unsigned int point = vtu["connectivity"][c * n_nodes + i];
+            const Point<dim> x       = vtu.point<dim>(point);
+            for (unsigned int d = 0; d < dim; ++d)
+              EXPECT_NEAR(x[d], lower[d] + size[d] * lagrange[i][d] / 2., 1e-6);
+            for (unsigned int d = 0; d < dim; ++d)
+              EXPECT_NEAR(vtu["velocity"][3 * point + d], exact_velocity<dim>(x)[d], 2e-6);
+            EXPECT_NEAR(vtu["pressure"][point], exact_pressure<dim>(x), 2e-6);
+            EXPECT_EQ(vtu["subdomain"][point], folder.rank());
+            EXPECT_EQ(vtu["level"][point], x[0] == .5 ? vtu["level"][point] : x[0] < .5);
+          }
+      }
+
+    const std::string record = folder.read("fluid_000010.pvtu");
+    for (unsigned int r = 0; r < Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD); ++r)
+      EXPECT_NE(record.find("fluid_000010." + std::to_string(r) + ".vtu"), std::string::npos);
+    EXPECT_NE(record.find("velocity"), std::string::npos);
+  }
+
+  TEST(Vtu, FluidFieldsAreExact2D)
+  {
+    check_fluid<2>();
+  }
+
+  TEST(Vtu, FluidFieldsAreExact3D)
+  {
+    check_fluid<3>();
+  }
+
+  template <int dim>
+  void
+  check_structure(const std::string &component, const std::string &block, const int type)
+  {
+    TemporaryFolder folder;
+    const auto space = make_state<dim>();
+    std::vector<ImmersedStructure<dim>> structures(1);
+    const Ledger ledger;
+    structures[0].model = feib::testing::registry().create<StructureModel<dim>>(component, block);
+    StructureModel<dim> &model = *structures[0].model;
+    for (Point<dim> &x : model.positions)
+      x[0] += .125 * x[1] * x[1];
+    const auto writer = feib::testing::registry().create<OutputWriter<dim>>("vtu");
+    writer->write({0, 0., folder.path, *space, structures, ledger});
+    const VtuFile vtu(folder.read("body_000000.vtu"));
+
+    const auto &mesh     = model.mesh();
+    const auto density   = model.energy_density(model.positions);
+    const unsigned int n = mesh.structure_dim() + 1;
+    ASSERT_EQ(vtu["types"].size(), mesh.n_elements());
+    ASSERT_EQ(vtu["connectivity"].size(), n * mesh.n_elements());
+    for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+      {
+        const auto &element = mesh.elements()[e];
+        EXPECT_EQ(vtu["types"][e], type);
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            const unsigned int point = vtu["connectivity"][n * e + k];
+            EXPECT_LT((vtu.point<dim>(point) - model.positions[element.nodes[k]]).norm(), 1e-6);
+            EXPECT_FLOAT_EQ(vtu["energy_density"][point], density[e]);
+            EXPECT_EQ(vtu["material_id"][point], element.material_id);
+            // The gradient of a shape function takes the step between two corners to 1 or 0.
+            for (unsigned int i = 0; i < n; ++i)
+              {
+                double change = 0;
+                for (unsigned int a = 0; a + 1 < n; ++a)
+                  for (unsigned int d = 0; d < dim; ++d)
+                    change += element.shape_gradients[i][a] * element.frame[a][d] *
+                              (vtu["reference"][3 * point + d] - element.centroid[d]);
+                EXPECT_NEAR(change, (i == k) - 1. / n, 1e-5);
+              }
+          }
+      }
+  }
+
+  std::string
+  body(const std::string &rest)
+  {
+    return R"({"name": "body", "law": {"neo_hookean": {"shear_modulus": 1}}, )" + rest + "}";
+  }
+
+  TEST(Vtu, StructuresOfAllDimensions)
+  {
+    check_structure<2>("membrane",
+                       body(R"json("mesh": {"closed_curve": {"length": 1, "elements": 8}},
+                         "initial_position": ["0.5 + 0.2 * cos(2 * pi * s1)",
+                                              "0.5 + 0.2 * sin(2 * pi * s1)"])json"),
+                       3);
+    check_structure<2>("hyperelastic",
+                       body(R"("mesh": {"disc": {"radius": 0.25, "rings": 2}})"),
+                       5);
+    check_structure<3>("membrane",
+                       body(R"("mesh": {"sphere": {"radius": 0.25, "refinements": 0}})"),
+                       5);
+    check_structure<3>("hyperelastic",
+                       body(R"("mesh": {"ball": {"radius": 0.25, "refinements": 0}})"),
+                       10);
+  }
+
+  TEST(Vtu, TheSeriesNamesAllTimes)
+  {
+    TemporaryFolder folder;
+    const auto space = make_state<2>();
+    const std::vector<ImmersedStructure<2>> structures;
+    const Ledger ledger;
+    const auto writer = feib::testing::registry().create<OutputWriter<2>>("vtu");
+    writer->write({0, 0., folder.path, *space, structures, ledger});
+    writer->write({10, .25, folder.path, *space, structures, ledger});
+    const std::string series = folder.read("fluid.pvd");
+    EXPECT_TRUE(std::regex_search(series,
+                                  std::regex("timestep=\"0\"[^>]*fluid_000000.pvtu[^]*"
+                                             "timestep=\"0.25\"[^>]*fluid_000010.pvtu")))
+      << series;
+    EXPECT_FALSE(std::filesystem::exists(folder.path + "/fluid.pvd.new"));
+  }
+
+  TEST(Vtu, AFullDiskIsAFailureOnAllRanks)
+  {
+    const auto space = make_state<2>();
+    const std::vector<ImmersedStructure<2>> structures;
+    const Ledger ledger;
+    const unsigned int last = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) - 1;
+    for (const std::string &file : {"fluid_000000." + std::to_string(last) + ".vtu",
+                                    std::string("fluid_000000.pvtu"),
+                                    std::string("fluid.pvd.new")})
+      {
+        TemporaryFolder folder;
+        folder.make_full(file);
+        const auto writer         = feib::testing::registry().create<OutputWriter<2>>("vtu");
+        const std::string message = feib::testing::failure_of([&] {
+          writer->write({0, 0., folder.path, *space, structures, ledger});
+        });
+        EXPECT_NE(message.find(folder.path + "/" + file), std::string::npos) << message;
+        EXPECT_NE(message.find("No space left"), std::string::npos) << message;
+      }
+  }
+} // namespace

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/plugin.h>
+#include <feib/refinement_strategy.h>
+
+#include "uniform_schema.h"
+
+namespace
+{
+  template <int dim>
+  class Uniform : public feib::RefinementStrategy<dim>
+  {
+  public:
+    explicit Uniform(const feib::Parameters &parameters)
+      : levels(parameters.integer("levels"))
+    {}
+
+    void
+    mark(dealii::parallel::distributed::Triangulation<dim> &triangulation,
+         const feib::EulerianSpace<dim> &,
+         const std::vector<feib::ImmersedStructure<dim>> &) const override
+    {
+      for (const auto &cell : triangulation.active_cell_iterators())
+        if (cell->is_locally_owned() && cell->level() < levels)
+          cell->set_refine_flag();
+    }
+
+    unsigned int
+    interval() const override
+    {
+      return 0;
+    }
+
+  private:
+    const int levels;
+  };
+} // namespace
+
+
+FEIB_PLUGIN("uniform", "1.0", registry)
+{
+  registry.add<feib::RefinementStrategy, Uniform>("uniform", uniform_schema);
+}

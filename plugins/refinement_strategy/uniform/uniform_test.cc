@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/refinement_strategy.h>
+#include <feib/testing/spaces.h>
+
+#include <gtest/gtest.h>
+
+namespace
+{
+  using namespace feib;
+
+  template <int dim>
+  void
+  check(const unsigned int levels, const unsigned int n_cells)
+  {
+    const auto space =
+      feib::testing::make_space<dim>(dim == 2 ? R"({"cells": [3, 2]})" : R"({"cells": [3, 2, 1]})");
+    const auto strategy = feib::testing::registry().create<RefinementStrategy<dim>>(
+      "uniform", "{\"levels\": " + std::to_string(levels) + "}");
+    const auto mark = [&](auto &mesh) { strategy->mark(mesh, *space, {}); };
+    EXPECT_EQ(space->adapt(mark, true), levels > 0);
+    EXPECT_EQ(space->triangulation().n_global_active_cells(), n_cells);
+    for (const auto &cell : space->cells())
+      EXPECT_EQ(cell.level, levels);
+    EXPECT_FALSE(space->adapt(mark, true));
+    EXPECT_EQ(strategy->interval(), 0u);
+  }
+
+  TEST(Uniform, HalvesEveryCell)
+  {
+    check<2>(0, 6);
+    check<2>(3, 6 * 64);
+    check<3>(2, 6 * 64);
+  }
+
+  TEST(Uniform, DoesNothingUnlessTold)
+  {
+    const auto space    = feib::testing::make_space<2>(R"({"cells": [3, 2]})");
+    const auto strategy = feib::testing::registry().create<RefinementStrategy<2>>("uniform");
+    EXPECT_FALSE(space->adapt([&](auto &mesh) { strategy->mark(mesh, *space, {}); }, true));
+  }
+} // namespace

@@ -1,0 +1,539 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_elastic_structure_h
+#define feib_elastic_structure_h
+
+#include <feib/constitutive_law.h>
+#include <feib/expression.h>
+#include <feib/reference_mesh.h>
+#include <feib/registry.h>
+#include <feib/structure_model.h>
+
+#include <deal.II/base/derivative_form.h>
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace feib
+{
+  /// A hyperelastic structure of dimension m = dim or dim-1 on P1 simplices: what the components
+  /// `hyperelastic` and `membrane` share. P is constant on an element, so integration by parts is
+  /// exact and the load lives on the faces:
+  ///   <F_h, v> = - sum_f int_f [[P]] . v(X),  [[P]] = P+ N+ + P- N-,  P N at the boundary.
+  template <int structure_dim, int dim>
+  class ElasticStructure : public StructureModel<dim>
+  {
+  public:
+    static constexpr unsigned int m = structure_dim;
+
+    using Law    = ConstitutiveLaw<structure_dim, dim>;
+    using Matrix = typename Law::Matrix;
+    using Mesh   = LagrangianMesh<dim>;
+
+    explicit ElasticStructure(const Parameters &parameters);
+
+    const std::string &
+    name() const override
+    {
+      return structure_name;
+    }
+
+    const Mesh &
+    mesh() const override
+    {
+      return reference_mesh;
+    }
+
+    double energy(const Positions<dim> &X) const override;
+
+    const LagrangianPoints &
+    load_points() const override
+    {
+      return points;
+    }
+
+    void load(const Positions<dim> &X, NodalField<dim> &load) const override;
+
+    void load_derivative(const Positions<dim> &X,
+                         const NodalField<dim> &dX,
+                         NodalField<dim> &dload) const override;
+
+    double stiffness(const Positions<dim> &X) const override;
+
+    double measure(const Positions<dim> &X) const override;
+
+    dealii::Point<dim> centroid(const Positions<dim> &X) const override;
+
+    std::vector<double> energy_density(const Positions<dim> &X) const override;
+
+  private:
+    /// An element is inverted, or its determinant is not a number: the worst one.
+    struct Inverted
+    {
+      double determinant;
+      unsigned int element;
+    };
+
+    Positions<dim> initial_positions(const Parameters &parameters) const;
+
+    /// Gives the law its points. What it throws on one rank is thrown on all.
+    void set_points(const std::vector<typename Law::MaterialPoint> &material_points);
+
+    void make_face_quadrature(const Parameters &quadrature);
+
+    /// The gradient of a nodal field on the elements of this rank.
+    template <typename Field>
+    std::vector<Matrix> gradients(const Field &field) const;
+
+    /// The element of smallest det F when that is not positive and the law needs it. Collective.
+    std::unique_ptr<Inverted> find_inverted(const std::vector<Matrix> &F) const;
+
+    /// The deformation gradients at X. Throws RunFailure on all ranks where an element is inverted.
+    std::vector<Matrix> deformation_gradients(const Positions<dim> &X) const;
+
+    /// From the stresses of this rank's elements to the load of all. Collective.
+    void face_loads(const std::vector<Matrix> &P, NodalField<dim> &load) const;
+
+    /// The measure of the structure (with the sign of its orientation) and its first moment about
+    /// X[0].
+    std::pair<double, dealii::Tensor<1, dim>> moments(const Positions<dim> &X) const;
+
+    std::string structure_name;
+    Mesh reference_mesh;
+    unsigned int first, last; // the elements of this rank
+    std::unique_ptr<Law> law;
+    LagrangianPoints points;
+    bool boundary_faces;
+    std::vector<double> face_weights;        // of the points of one face; empty: vertex rule
+    std::vector<unsigned int> element_faces; // face opposite vertex k of element e: [e (m+1) + k]
+  };
+
+
+  template <int structure_dim, int dim>
+  ElasticStructure<structure_dim, dim>::ElasticStructure(const Parameters &parameters)
+    : structure_name(parameters.string("name"))
+    , reference_mesh(make_reference_mesh<dim>(parameters.child("mesh"), m))
+    , law(parameters.child("law").create<Law>())
+    , boundary_faces(parameters.boolean("boundary_faces"))
+  {
+    const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    if (structure_name.empty() || structure_name.find_first_not_of(letters) != std::string::npos)
+      parameters.fail(
+        "name",
+        "must be made of letters, digits and _, as columns of the ledger carry it; found \"" +
+          structure_name + "\"");
+
+    std::tie(first, last) = reference_mesh.local_elements();
+    element_faces.resize(reference_mesh.n_elements() * (m + 1));
+    for (unsigned int f = 0; f < reference_mesh.faces().size(); ++f)
+      {
+        const auto &face = reference_mesh.faces()[f];
+        for (unsigned int side = 0; side < 2; ++side)
+          if (face.elements[side] != Mesh::invalid)
+            element_faces[face.elements[side] * (m + 1) + face.opposite[side]] = f;
+      }
+    make_face_quadrature(parameters.child("face_quadrature"));
+
+    std::vector<typename Law::MaterialPoint> material_points;
+    for (unsigned int e = first; e < last; ++e)
+      {
+        const auto &element = reference_mesh.elements()[e];
+        material_points.emplace_back();
+        material_points.back().place       = element.centroid;
+        material_points.back().material_id = element.material_id;
+        for (unsigned int k = 0; k < m; ++k)
+          material_points.back().frame[k] = element.frame[k];
+      }
+    set_points(material_points);
+
+    this->positions = initial_positions(parameters);
+    if (const auto inverted = find_inverted(gradients(this->positions)))
+      {
+        const dealii::Point<dim> &s = reference_mesh.elements()[inverted->element].centroid;
+        std::string place;
+        for (unsigned int i = 0; i < dim; ++i)
+          place += (i ? ", " : "") + std::to_string(s[i]);
+        parameters.fail("initial_position",
+                        "inverts element " + std::to_string(inverted->element) +
+                          " at the reference place (" + place +
+                          "): det F = " + std::to_string(inverted->determinant) +
+                          "; the law needs det F > 0 everywhere");
+      }
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::set_points(
+    const std::vector<typename Law::MaterialPoint> &material_points)
+  {
+    std::pair<std::string, std::string> issue; // pointer and message
+    try
+      {
+        law->set_points(material_points);
+      }
+    catch (const Error &error)
+      {
+        issue = {error.issues().front().pointer, error.issues().front().message};
+      }
+    for (const auto &[pointer, message] :
+         dealii::Utilities::MPI::all_gather(reference_mesh.communicator(), issue))
+      if (!message.empty())
+        throw Error(pointer, message);
+  }
+
+  template <int structure_dim, int dim>
+  Positions<dim>
+  ElasticStructure<structure_dim, dim>::initial_positions(const Parameters &parameters) const
+  {
+    const std::vector<dealii::Point<dim>> &nodes = reference_mesh.nodes();
+    const auto [mesh_name, block]                = parameters.child("mesh").choice();
+    const bool glued = mesh_name == "closed_curve" || mesh_name == "periodic_strip";
+    if (!parameters.has("initial_position"))
+      {
+        if (glued || mesh_name == "open_curve")
+          parameters.fail("",
+                          "lacks \"initial_position\": the reference coordinates of the mesh " +
+                            mesh_name + " are not places");
+        return nodes;
+      }
+
+    const auto X0 =
+      parse_expressions<dim>(parameters, "initial_position", dim, Variables::reference);
+    const auto position = [&](const dealii::Point<dim> &s) {
+      dealii::Point<dim> x;
+      std::string place, value;
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          x[i] = X0->value(s, i);
+          place += (i ? ", " : "") + std::to_string(s[i]);
+          value += (i ? ", " : "") + std::to_string(x[i]);
+        }
+      if (!std::isfinite(x.norm()))
+        parameters.fail("initial_position",
+                        "is not finite at the reference place (" + place + "): (" + value + ")");
+      return x;
+    };
+    Positions<dim> X;
+    double extent = 0;
+    for (const dealii::Point<dim> &s : nodes)
+      {
+        X.push_back(position(s));
+        extent = std::max(extent, X.back().distance(X.front()));
+      }
+    if (glued)
+      for (unsigned int i = 0; i < nodes.size(); ++i)
+        if (nodes[i][0] == 0)
+          {
+            dealii::Point<dim> end = nodes[i];
+            end[0]                 = block.number("length");
+            const double gap       = position(end).distance(X[i]);
+            if (gap > 1e-6 * extent)
+              parameters.fail("initial_position",
+                              "does not close: s1 = 0 and s1 = " + std::to_string(end[0]) +
+                                " are the same place of the mesh " + mesh_name +
+                                ", but their positions are " + std::to_string(gap) + " apart");
+          }
+    return X;
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::make_face_quadrature(const Parameters &quadrature)
+  {
+    const auto [rule, block] = quadrature.choice();
+    points                   = LagrangianPoints::nodes(reference_mesh.n_nodes());
+    if constexpr (m > 1)
+      if (rule == "gauss")
+        {
+          const unsigned int n                  = block.integer("points");
+          const dealii::Quadrature<m - 1> gauss = [&] {
+            if constexpr (m == 2)
+              return dealii::QGauss<1>(n);
+            else
+              return dealii::QWitherdenVincentSimplex<2>(n);
+          }();
+          points                 = {};
+          points.nodes_per_point = m;
+          for (const auto &face : reference_mesh.faces())
+            for (const dealii::Point<m - 1> &unit : gauss.get_points())
+              {
+                points.weight.push_back(1);
+                for (unsigned int k = 0; k + 1 < m; ++k)
+                  {
+                    points.weight.push_back(unit[k]);
+                    points.weight[points.weight.size() - k - 2] -= unit[k];
+                  }
+                points.node.insert(points.node.end(), face.nodes.begin(), face.nodes.begin() + m);
+              }
+          face_weights     = gauss.get_weights();
+          double reference = 0; // measure of the unit face
+          for (const double weight : face_weights)
+            reference += weight;
+          for (double &weight : face_weights)
+            weight /= reference;
+        }
+  }
+
+  template <int structure_dim, int dim>
+  template <typename Field>
+  std::vector<typename ElasticStructure<structure_dim, dim>::Matrix>
+  ElasticStructure<structure_dim, dim>::gradients(const Field &field) const
+  {
+    AssertDimension(field.size(), reference_mesh.n_nodes());
+    std::vector<Matrix> result(last - first);
+    for (unsigned int e = first; e < last; ++e)
+      {
+        const auto &element = reference_mesh.elements()[e];
+        Matrix &F           = result[e - first];
+        for (unsigned int k = 0; k <= m; ++k)
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int l = 0; l < m; ++l)
+              F[i][l] += field[element.nodes[k]][i] * element.shape_gradients[k][l];
+      }
+    return result;
+  }
+
+  template <int structure_dim, int dim>
+  std::unique_ptr<typename ElasticStructure<structure_dim, dim>::Inverted>
+  ElasticStructure<structure_dim, dim>::find_inverted(const std::vector<Matrix> &F) const
+  {
+    if (!law->needs_positive_determinant())
+      return nullptr;
+    struct
+    {
+      double value;
+      int element;
+    } worst{std::numeric_limits<double>::max(), -1};
+    for (unsigned int e = first; e < last; ++e)
+      {
+        double J = dealii::DerivativeForm<1, structure_dim, dim>(F[e - first]).determinant();
+        if (std::isnan(J))
+          J = -std::numeric_limits<double>::infinity();
+        if (J < worst.value)
+          worst = {J, static_cast<int>(e)};
+      }
+    const int ierr = MPI_Allreduce(
+      MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MINLOC, reference_mesh.communicator());
+    AssertThrowMPI(ierr);
+    if (worst.value > 0)
+      return nullptr;
+    return std::make_unique<Inverted>(
+      Inverted{worst.value, static_cast<unsigned int>(worst.element)});
+  }
+
+  template <int structure_dim, int dim>
+  std::vector<typename ElasticStructure<structure_dim, dim>::Matrix>
+  ElasticStructure<structure_dim, dim>::deformation_gradients(const Positions<dim> &X) const
+  {
+    std::vector<Matrix> F = gradients(X);
+    if (const auto inverted = find_inverted(F))
+      throw RunFailure("structure " + structure_name + ": element " +
+                       std::to_string(inverted->element) +
+                       " is inverted (det F = " + std::to_string(inverted->determinant) +
+                       "), where its law has no energy; a smaller time step may help");
+    return F;
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::face_loads(const std::vector<Matrix> &P,
+                                                   NodalField<dim> &load) const
+  {
+    // |f| [[P]]: the outward normal of the face opposite vertex k is |f| N = - m |T| grad phi_k.
+    const auto &faces = reference_mesh.faces();
+    NodalField<dim> jumps(faces.size());
+    for (unsigned int e = first; e < last; ++e)
+      {
+        const auto &element = reference_mesh.elements()[e];
+        for (unsigned int k = 0; k <= m; ++k)
+          {
+            dealii::Tensor<1, dim> &jump = jumps[element_faces[e * (m + 1) + k]];
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int l = 0; l < m; ++l)
+                jump[i] -= m * element.measure * P[e - first][i][l] * element.shape_gradients[k][l];
+          }
+      }
+    // At most two elements add to a face, so the sum does not depend on the number of ranks.
+    static_assert(sizeof(dealii::Tensor<1, dim>) == dim * sizeof(double));
+    const int ierr = MPI_Allreduce(MPI_IN_PLACE,
+                                   jumps.data(),
+                                   jumps.size() * dim,
+                                   MPI_DOUBLE,
+                                   MPI_SUM,
+                                   reference_mesh.communicator());
+    AssertThrowMPI(ierr);
+
+    load.assign(points.size(), {});
+    for (unsigned int f = 0; f < faces.size(); ++f)
+      {
+        if (faces[f].at_boundary() && !boundary_faces)
+          continue;
+        if (face_weights.empty())
+          for (unsigned int k = 0; k < m; ++k)
+            load[faces[f].nodes[k]] -= jumps[f] / m;
+        else
+          for (unsigned int q = 0; q < face_weights.size(); ++q)
+            load[f * face_weights.size() + q] = -face_weights[q] * jumps[f];
+      }
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::load(const Positions<dim> &X, NodalField<dim> &load) const
+  {
+    std::vector<Matrix> P;
+    law->stress(deformation_gradients(X), P);
+    face_loads(P, load);
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::load_derivative(const Positions<dim> &X,
+                                                        const NodalField<dim> &dX,
+                                                        NodalField<dim> &dload) const
+  {
+    std::vector<Matrix> dP;
+    law->stress_derivative(deformation_gradients(X), gradients(dX), dP);
+    face_loads(dP, dload);
+  }
+
+  template <int structure_dim, int dim>
+  double
+  ElasticStructure<structure_dim, dim>::energy(const Positions<dim> &X) const
+  {
+    std::vector<double> W;
+    law->energy(deformation_gradients(X), W);
+    double sum = 0;
+    for (unsigned int e = first; e < last; ++e)
+      sum += W[e - first] * reference_mesh.elements()[e].measure;
+    return dealii::Utilities::MPI::sum(sum, reference_mesh.communicator());
+  }
+
+  template <int structure_dim, int dim>
+  std::vector<double>
+  ElasticStructure<structure_dim, dim>::energy_density(const Positions<dim> &X) const
+  {
+    std::vector<double> W, all(reference_mesh.n_elements());
+    law->energy(deformation_gradients(X), W);
+    std::copy(W.begin(), W.end(), all.begin() + first);
+    dealii::Utilities::MPI::sum(all, reference_mesh.communicator(), all);
+    return all;
+  }
+
+  template <int structure_dim, int dim>
+  double
+  ElasticStructure<structure_dim, dim>::stiffness(const Positions<dim> &X) const
+  {
+    constexpr unsigned int n    = m * dim;
+    const std::vector<Matrix> F = deformation_gradients(X);
+    std::vector<Matrix> dF(F.size());
+
+    // Column c of d2W/dF2, for all elements at once.
+    std::array<std::vector<Matrix>, n> columns;
+    for (unsigned int c = 0; c < n; ++c)
+      {
+        for (Matrix &direction : dF)
+          {
+            direction               = Matrix();
+            direction[c / m][c % m] = 1;
+          }
+        law->stress_derivative(F, dF, columns[c]);
+      }
+
+    // Whether all eigenvalues of A are below lambda: whether lambda I - A has a Cholesky factor.
+    std::array<std::array<double, n>, n> A, L;
+    const auto bounds = [&](const double lambda) {
+      for (unsigned int i = 0; i < n; ++i)
+        for (unsigned int j = 0; j <= i; ++j)
+          {
+            double sum = (i == j ? lambda : 0) - A[i][j];
+            for (unsigned int k = 0; k < j; ++k)
+              sum -= L[i][k] * L[j][k];
+            if (i != j)
+              L[i][j] = sum / L[j][j];
+            else if (sum > 0)
+              L[i][i] = std::sqrt(sum);
+            else
+              return false;
+          }
+      return true;
+    };
+
+    // One factorisation an element, and a bisection for the few that raise the maximum.
+    double largest = 0;
+    for (unsigned int e = 0; e < F.size(); ++e)
+      {
+        double norm = 0;
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int j = 0; j < n; ++j)
+            {
+              A[i][j] = columns[j][e][i / m][i % m];
+              norm += A[i][j] * A[i][j];
+            }
+        norm = std::sqrt(norm);
+        if (norm <= largest || bounds(largest * (1 + 1e-12)))
+          continue;
+        double above = norm * (1 + 1e-12);
+        while (above - largest > 1e-13 * above)
+          {
+            const double middle                = (largest + above) / 2;
+            (bounds(middle) ? above : largest) = middle;
+          }
+      }
+    return dealii::Utilities::MPI::max(largest, reference_mesh.communicator());
+  }
+
+  template <int structure_dim, int dim>
+  std::pair<double, dealii::Tensor<1, dim>>
+  ElasticStructure<structure_dim, dim>::moments(const Positions<dim> &X) const
+  {
+    // A closed curve or surface encloses the cones over its elements with a common tip, X[0].
+    const bool cones = m < dim && reference_mesh.closed();
+    std::pair<double, dealii::Tensor<1, dim>> result;
+    for (const auto &element : reference_mesh.elements())
+      {
+        dealii::Tensor<2, dim> edges;
+        dealii::Tensor<1, dim> sum;
+        for (unsigned int k = 0; k <= m; ++k)
+          sum += X[element.nodes[k]] - X[0];
+        double size;
+        if (m == dim || cones)
+          {
+            for (unsigned int k = 0; k < dim; ++k)
+              edges[k] =
+                cones ? X[element.nodes[k]] - X[0] : X[element.nodes[k + 1]] - X[element.nodes[0]];
+            size = determinant(edges) / (dim == 2 ? 2 : 6);
+          }
+        else
+          {
+            dealii::DerivativeForm<1, structure_dim, dim> map;
+            for (unsigned int k = 0; k < m; ++k)
+              for (unsigned int i = 0; i < dim; ++i)
+                map[i][k] = X[element.nodes[k + 1]][i] - X[element.nodes[0]][i];
+            size = map.determinant() / m;
+          }
+        result.first += size;
+        result.second += size / (cones ? dim + 1 : m + 1) * sum;
+      }
+    return result;
+  }
+
+  template <int structure_dim, int dim>
+  double
+  ElasticStructure<structure_dim, dim>::measure(const Positions<dim> &X) const
+  {
+    return std::abs(moments(X).first);
+  }
+
+  template <int structure_dim, int dim>
+  dealii::Point<dim>
+  ElasticStructure<structure_dim, dim>::centroid(const Positions<dim> &X) const
+  {
+    const auto [size, moment] = moments(X);
+    return X[0] + moment / size;
+  }
+} // namespace feib
+
+#endif

@@ -1,0 +1,477 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../elastic_structure_test.h"
+
+using namespace feib;
+using namespace feib::testing;
+
+FEIB_TEST_STRUCTURE_MODEL("hyperelastic");
+
+namespace
+{
+  const std::string component   = "hyperelastic";
+  const std::string neo_hookean = R"({"neo_hookean": {"shear_modulus": 2}})";
+  const std::string stress_free = R"({"neo_hookean": {"shear_modulus": 2, "stress_free": true}})";
+  const std::string strip_map =
+    R"j("initial_position": ["(1.5 - s2) * cos(s1)", "(1.5 - s2) * sin(s1)"])j";
+  const std::string disc = R"({"disc": {"radius": 1, "rings": 5}})";
+  const std::string ball = R"({"ball": {"radius": 1, "refinements": 1}})";
+  const std::string ring =
+    R"({"ring": {"inner_radius": 1, "outer_radius": 1.5, "cells": [17, 3]}})";
+
+  std::string
+  strip(const unsigned int n)
+  {
+    return R"({"periodic_strip": {"length": 6.283185307179586, "width": 0.5, "cells": [)" +
+           std::to_string(n) + ", 2]}}";
+  }
+} // namespace
+
+// --- force
+
+namespace
+{
+  template <int dim>
+  void
+  compare_with_elements(const std::string &mesh,
+                        const std::string &law,
+                        const std::string &parameters,
+                        const std::string &more = "")
+  {
+    SCOPED_TRACE(mesh + law);
+    const auto model =
+      make_model<dim>(component, mesh, "{\"" + law + "\": " + parameters + "}", more);
+    const Positions<dim> X         = shaken(*model);
+    const NodalField<dim> f        = load(*model, X);
+    const NodalField<dim> expected = element_wise_load<dim, dim>(model->mesh(), X, law, parameters);
+    double difference              = 0;
+    for (unsigned int i = 0; i < f.size(); ++i)
+      difference = std::max(difference, (f[i] - expected[i]).norm());
+    EXPECT_LT(difference, 1e-13 * norm(expected));
+  }
+} // namespace
+
+// On one rank and on two: the sum over ranks and the faces change nothing.
+TEST(Hyperelastic, VertexRuleIsTheElementWiseForce)
+{
+  const std::string fibres   = R"({"stiffness": 3, "fibres": [["s1", "1"]]})";
+  const std::string mooney_2 = R"({"c1": 1, "c2": 2, "fibre_modulus": 3, "fibres": [["s1", "1"]]})";
+  const std::string mooney_3 =
+    R"({"c1": 1, "c2": 2, "fibre_modulus": 3, "fibres": [["s1", "1", "s3"]]})";
+  compare_with_elements<2>(disc, "neo_hookean", R"({"shear_modulus": 2, "stress_free": true})");
+  compare_with_elements<2>(ring, "anisotropic_linear", fibres);
+  compare_with_elements<2>(strip(20), "mooney_rivlin_fibres", mooney_2, strip_map);
+  compare_with_elements<3>(ball, "mooney_rivlin_fibres", mooney_3);
+  compare_with_elements<3>(R"({"box": {"cells": [2, 3, 2]}})",
+                           "neo_hookean",
+                           R"({"shear_modulus": 2, "stress_free": true})");
+}
+
+namespace
+{
+  template <int dim>
+  void
+  force_is_minus_energy_gradient(const std::string &mesh, const std::string &more = "")
+  {
+    SCOPED_TRACE(mesh);
+    const auto model        = make_model<dim>(component, mesh, neo_hookean, more);
+    const Positions<dim> X  = shaken(*model);
+    const NodalField<dim> f = load(*model, X);
+    // W is quadratic, so the central difference of a long step is exact.
+    const double step = 1;
+    for (unsigned int i = 0; i < X.size(); i += 3)
+      for (unsigned int c = 0; c < dim; ++c)
+        {
+          Positions<dim> plus = X, minus = X;
+          plus[i][c] += step;
+          minus[i][c] -= step;
+          EXPECT_NEAR(f[i][c],
+                      -(model->energy(plus) - model->energy(minus)) / (2 * step),
+                      1e-12 * norm(f));
+        }
+  }
+} // namespace
+
+TEST(Hyperelastic, VertexRuleIsMinusTheGradientOfTheEnergy)
+{
+  force_is_minus_energy_gradient<2>(disc);
+  force_is_minus_energy_gradient<2>(strip(12), strip_map);
+  force_is_minus_energy_gradient<3>(ball);
+}
+
+namespace
+{
+  template <int dim>
+  void
+  compare_rules(const std::string &mesh, const unsigned int n_points)
+  {
+    SCOPED_TRACE(mesh);
+    const auto vertex  = make_model<dim>(component, mesh, stress_free);
+    const auto gauss   = make_model<dim>(component,
+                                       mesh,
+                                       stress_free,
+                                       R"("face_quadrature": {"gauss": {"points": )" +
+                                         std::to_string(n_points) + "}}");
+    const auto &points = gauss->load_points();
+    EXPECT_EQ(points.nodes_per_point, static_cast<unsigned int>(dim));
+    // Against velocities that are linear on faces, both rules are exact.
+    const Positions<dim> X   = shaken(*vertex);
+    const NodalField<dim> dX = random_field<dim>(X.size(), 1);
+    const NodalField<dim> f  = load(*vertex, X);
+    EXPECT_NEAR(product(load(*gauss, X), at_points(points, dX)),
+                product(f, dX),
+                1e-13 * norm(f) * norm(dX));
+    NodalField<dim> dv, dg;
+    vertex->load_derivative(X, dX, dv);
+    gauss->load_derivative(X, dX, dg);
+    EXPECT_NEAR(product(dg, at_points(points, dX)), product(dv, dX), 1e-12 * norm(dv) * norm(dX));
+  }
+} // namespace
+
+TEST(Hyperelastic, GaussRuleHasTheWorkOfTheVertexRule)
+{
+  for (const unsigned int n : {1, 2, 3})
+    {
+      compare_rules<2>(disc, n);
+      compare_rules<3>(ball, n);
+    }
+}
+
+// A quadratic velocity on the boundary of an affinely deformed square: Simpson's rule knows the
+// answer.
+TEST(Hyperelastic, GaussRuleIsExactForItsDegree)
+{
+  const auto model = make_model<2>(
+    component,
+    R"({"rectangle": {"cells": [1, 1]}})",
+    neo_hookean,
+    R"("initial_position": ["s1", "s2"], "face_quadrature": {"gauss": {"points": 2}})");
+  const NodalField<2> f = load(*model, model->positions);
+  const auto x          = model->load_points().positions(model->positions);
+  double power          = 0;
+  for (unsigned int q = 0; q < f.size(); ++q)
+    power += f[q][0] * x[q][0] * x[q][1] * x[q][1];
+  // P = 2 I: - int_boundary 2 n_x x y^2 = - 2 int_0^1 y^2 dy
+  EXPECT_NEAR(power, -2. / 3, 1e-14);
+}
+
+// A uniform F: the elements balance each other, the boundary alone pulls.
+TEST(Hyperelastic, UniformDeformationLoadsTheBoundaryAlone)
+{
+  const std::string map = R"("initial_position": ["1.2 * s1 + 0.3 * s2", "-0.1 * s1 + 0.9 * s2"])";
+  const std::string square =
+    R"({"rectangle": {"lower": [0.25, 0.25], "upper": [0.75, 0.75], "cells": [6, 5]}})";
+  const auto model = make_model<2>(component, square, stress_free, map);
+  const auto without =
+    make_model<2>(component, square, stress_free, map + R"(, "boundary_faces": false)");
+  const NodalField<2> f = load(*model, model->positions);
+  EXPECT_LT(norm(load(*without, model->positions)), 1e-13 * norm(f));
+  for (unsigned int i = 0; i < f.size(); ++i)
+    {
+      const auto &s       = model->mesh().nodes()[i];
+      const bool interior = s[0] > .26 && s[0] < .74 && s[1] > .26 && s[1] < .74;
+      if (interior)
+        EXPECT_LT(f[i].norm(), 1e-13 * norm(f));
+      else
+        EXPECT_GT(f[i].norm(), 1e-3 * norm(f));
+    }
+}
+
+// Turning a ring made from a strip by one cell turns its forces: the seam cannot be seen.
+TEST(Hyperelastic, SeamOfThePeriodicStripIsInvisible)
+{
+  const unsigned int n  = 16;
+  const auto model      = make_model<2>(component, strip(n), stress_free, strip_map);
+  const NodalField<2> f = load(*model, model->positions);
+  const double angle    = 2 * M_PI / n;
+  EXPECT_GT(norm(f), .1);
+  for (unsigned int j = 0; j <= 2; ++j)
+    for (unsigned int i = 0; i < n; ++i)
+      {
+        const auto &here = f[j * n + i], &next = f[j * n + (i + 1) % n];
+        EXPECT_NEAR(next[0], std::cos(angle) * here[0] - std::sin(angle) * here[1], 1e-13);
+        EXPECT_NEAR(next[1], std::sin(angle) * here[0] + std::cos(angle) * here[1], 1e-13);
+      }
+}
+
+// --- numbers
+
+TEST(Hyperelastic, MeasureAndCentroid)
+{
+  const double shell = .5 * 64 * (2.25 - 1) * std::sin(2 * M_PI / 64); // 64-gons
+  const auto model   = make_model<2>(component, strip(64), neo_hookean, strip_map);
+  EXPECT_NEAR(model->measure(model->positions), shell, 1e-13);
+  EXPECT_LT(model->centroid(model->positions).norm(), 1e-13);
+
+  const auto box =
+    make_model<3>(component,
+                  R"({"box": {"lower": [1, 1, 1], "upper": [2, 3, 4], "cells": [2, 1, 3]}})",
+                  neo_hookean,
+                  R"("initial_position": ["2 * s1", "s2 + s1", "s3"])");
+  EXPECT_NEAR(box->measure(box->positions), 12, 1e-12);
+  EXPECT_LT(box->centroid(box->positions).distance(dealii::Point<3>(3, 3.5, 2.5)), 1e-13);
+}
+
+TEST(Hyperelastic, StiffnessOfLinearLaws)
+{
+  const auto neo = make_model<3>(component, ball, R"({"neo_hookean": {"shear_modulus": 0.7}})");
+  EXPECT_NEAR(neo->stiffness(shaken(*neo)), .7, 1e-12);
+  const auto fibres =
+    make_model<2>(component,
+                  disc,
+                  R"({"anisotropic_linear": {"stiffness": 0.3, "fibres": [["1 + s2^2", "s1"]]}})");
+  EXPECT_NEAR(fibres->stiffness(shaken(*fibres)), .3, 1e-12);
+}
+
+// At F = diag(a, b), P = mu (F - F^-T): the eigenvalues are mu (1 + 1/a^2), mu (1 + 1/b^2) and, for
+// shear, mu (1 +- 1/(a b)).
+TEST(Hyperelastic, StiffnessOfANonlinearLaw)
+{
+  const auto model = make_model<2>(component,
+                                   R"({"rectangle": {"cells": [4, 4]}})",
+                                   stress_free,
+                                   R"("initial_position": ["2 * s1", "0.5 * s2"])");
+  EXPECT_NEAR(model->stiffness(model->positions), 2 * (1 + 4), 1e-11);
+}
+
+TEST(Hyperelastic, InvertedElementStopsTheRun)
+{
+  const auto model = make_model<2>(component, disc, stress_free);
+  Positions<2> X   = model->positions;
+  X[0]             = dealii::Point<2>(5, 0);
+  NodalField<2> f;
+  try
+    {
+      model->load(X, f);
+      FAIL() << "an inverted element was accepted";
+    }
+  catch (const RunFailure &failure)
+    {
+      EXPECT_TRUE(contains(failure.what(), "structure body: element"));
+      EXPECT_TRUE(contains(failure.what(), "is inverted (det F = -"));
+    }
+  X[0][0] = std::nan("");
+  EXPECT_THROW(model->energy(X), RunFailure);
+  // Without ln J there is an energy all the same.
+  X[0] = dealii::Point<2>(5, 0);
+  EXPECT_NO_THROW(make_model<2>(component, disc, neo_hookean)->load(X, f));
+}
+
+// --- meshes
+
+TEST(Hyperelastic, Meshes)
+{
+  const auto mesh_2 = [](const std::string &mesh, const std::string &more = "") {
+    return make_model<2>(component, mesh, neo_hookean, more)->mesh();
+  };
+  const auto mesh_3 = [](const std::string &mesh) {
+    return make_model<3>(component, mesh, neo_hookean)->mesh();
+  };
+  const LagrangianMesh<2> rectangle =
+    mesh_2(R"({"rectangle": {"upper": [2, 1], "cells": [4, 3]}})");
+  EXPECT_NEAR(check_mesh(rectangle), 2, 1e-13);
+  EXPECT_EQ(rectangle.n_nodes(), 20u);
+  EXPECT_EQ(rectangle.n_elements(), 24u);
+  EXPECT_EQ(rectangle.faces().size(), 4 * 4 + 5 * 3 + 12u);
+  EXPECT_NEAR(rectangle.diameter(), std::hypot(1. / 2, 1. / 3), 1e-14);
+
+  const LagrangianMesh<2> glued = mesh_2(strip(8), strip_map);
+  EXPECT_NEAR(check_mesh(glued), M_PI, 1e-13);
+  EXPECT_EQ(glued.n_nodes(), 24u);
+  unsigned int boundary = 0;
+  for (const auto &face : glued.faces())
+    boundary += face.at_boundary();
+  EXPECT_EQ(boundary, 16u);
+
+  const LagrangianMesh<2> circle = mesh_2(disc);
+  EXPECT_NEAR(check_mesh(circle), 15 * std::sin(2 * M_PI / 30), 1e-13);
+  EXPECT_EQ(circle.n_elements(), 6 * 25u);
+  EXPECT_GT(worst_shape(circle), .6);
+
+  EXPECT_NEAR(check_mesh(mesh_2(ring)), .5 * 17 * (2.25 - 1) * std::sin(2 * M_PI / 17), 1e-13);
+
+  EXPECT_NEAR(check_mesh(mesh_3(R"({"box": {"upper": [1, 2, 3], "cells": [2, 2, 2]}})")), 6, 1e-13);
+
+  double error = 1;
+  for (const unsigned int refinements : {0, 1, 2, 3, 4, 5})
+    {
+      const LagrangianMesh<3> mesh =
+        mesh_3(R"({"ball": {"centre": [1, 2, 3], "radius": 2, "refinements": )" +
+               std::to_string(refinements) + "}}");
+      EXPECT_EQ(mesh.n_elements(), 20u << 3 * refinements);
+      const double new_error = 1 - check_mesh(mesh) / (4. / 3 * M_PI * 8);
+      EXPECT_LT(new_error, refinements == 0 ? .5 : error / 3);
+      error = new_error;
+      EXPECT_GT(worst_shape(mesh), .25);std::cout << worst_shape(mesh) <<std::endl;
+      for (const auto &face : mesh.faces())
+        for (unsigned int k = 0; face.at_boundary() && k < 3; ++k)
+          EXPECT_NEAR(mesh.nodes()[face.nodes[k]].distance(dealii::Point<3>(1, 2, 3)), 2, 1e-13);
+    }
+}
+
+namespace
+{
+  const std::string square_2_2 = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Comments
+anything at all
+$EndComments
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+7 1 1 0
+4 0 1 0
+9 5 5 5
+$EndNodes
+$Elements
+4
+1 15 2 3 1 1
+2 1 2 4 1 2 7
+3 2 2 5 1 1 2 7
+4 2 2 6 2 1 4 7
+$EndElements
+)";
+
+  const std::string tetrahedron_4_1 = R"($MeshFormat
+4.1 0 8
+$EndMeshFormat
+$Entities
+1 0 1 1
+1 0 0 0 0
+1 0 0 0 1 1 1 0 0
+3 0 0 0 1 1 1 1 8 1 1
+$EndEntities
+$Nodes
+2 4 1 4
+2 1 0 3
+1
+2
+3
+0 0 0
+1 0 0
+0 1 0
+3 3 1 1
+4
+0 0 1 0.5 0.5 0.5
+$EndNodes
+$Elements
+2 2 1 2
+2 1 2 1
+1 1 2 3
+3 3 4 1
+2 1 2 3 4
+$EndElements
+)";
+
+  std::string
+  replace(std::string text, const std::string &from, const std::string &to)
+  {
+    return text.replace(text.find(from), from.size(), to);
+  }
+} // namespace
+
+TEST(Hyperelastic, GmshFile)
+{
+  const TemporaryFile file(square_2_2);
+  const LagrangianMesh<2> mesh = make_model<2>(component, gmsh(file), neo_hookean)->mesh();
+  EXPECT_NEAR(check_mesh(mesh), 1, 1e-14);
+  EXPECT_EQ(mesh.n_nodes(), 4u); // the one that no triangle uses is gone
+  EXPECT_EQ(mesh.elements()[0].material_id, 5u);
+  EXPECT_EQ(mesh.elements()[1].material_id, 6u);
+}
+
+TEST(Hyperelastic, GmshFileOfFormat41)
+{
+  const TemporaryFile file(tetrahedron_4_1);
+  const LagrangianMesh<3> mesh = make_model<3>(component, gmsh(file), neo_hookean)->mesh();
+  EXPECT_NEAR(check_mesh(mesh), 1. / 6, 1e-14);
+  EXPECT_EQ(mesh.elements()[0].material_id, 8u);
+}
+
+// --- what a user may get wrong
+
+TEST(Hyperelastic, SaysWhatIsWrongWithAGmshFile)
+{
+  const auto error_2d = [](const std::string &text) {
+    return error_of<2>(component, gmsh(TemporaryFile(text)), neo_hookean);
+  };
+  EXPECT_TRUE(
+    contains(error_of<2>(component, R"({"gmsh": {"file": "/nowhere/a.msh"}})", neo_hookean),
+             "/mesh/gmsh/file: file \"/nowhere/a.msh\" cannot be opened"));
+  EXPECT_TRUE(contains(error_2d(tetrahedron_4_1),
+                       "holds 1 tetrahedra and 1 triangles; a structure of dimension 2 in "
+                       "dimension 2 needs triangles"));
+  EXPECT_TRUE(contains(error_of<3>(component, gmsh(TemporaryFile(square_2_2)), neo_hookean),
+                       "holds 2 triangles and 1 segments; a structure of dimension 3 in dimension "
+                       "3 needs tetrahedra"));
+  EXPECT_TRUE(contains(error_2d(replace(square_2_2, "3 2 2 5 1 1 2 7", "3 3 2 5 1 1 2 7 4")),
+                       "1 triangles and 1 segments and quadrilaterals"));
+  EXPECT_TRUE(contains(error_2d(replace(square_2_2, "2.2 0 8", "4 0 8")), "is of format 4;"));
+  EXPECT_TRUE(
+    contains(error_2d(replace(square_2_2, "2.2 0 8", "2.2 1 8")), "is of format 2.2 binary"));
+  EXPECT_TRUE(
+    contains(error_2d(replace(square_2_2, "7 1 1 0", "7 1 1 0.1")), "outside the plane z = 0"));
+  EXPECT_TRUE(contains(error_2d(replace(square_2_2, "4 0 1 0", "4 2 2 0")),
+                       "element 1 at (1.000000, 1.000000) is degenerate"));
+  EXPECT_TRUE(
+    contains(error_2d(replace(square_2_2, "1 4 7", "1 4 8")), "a node that does not exist"));
+  EXPECT_TRUE(
+    contains(error_2d(square_2_2.substr(0, 120)), "ends, or is not readable, inside $Nodes"));
+  EXPECT_TRUE(contains(error_2d("hello"), "has \"hello\" where a section was expected"));
+  EXPECT_TRUE(contains(error_2d(""), "is empty"));
+}
+
+TEST(Hyperelastic, SaysWhatIsWrongWithAMesh)
+{
+  EXPECT_TRUE(
+    contains(error_of<3>(component, R"({"rectangle": {"cells": [2, 2]}})", neo_hookean),
+             "/mesh/rectangle: rectangle is a mesh of dimension 2 for dimension 2; a thick "
+             "body in dimension 3 needs a mesh of dimension 3: ball, box, gmsh"));
+  EXPECT_TRUE(
+    contains(error_of<2>(component,
+                         R"({"rectangle": {"lower": [1, 1], "upper": [2, 1], "cells": [2, 2]}})",
+                         neo_hookean),
+             "/mesh/rectangle/upper: must be greater"));
+  EXPECT_TRUE(
+    contains(error_of<2>(component,
+                         R"({"ring": {"inner_radius": 2, "outer_radius": 1, "cells": [9, 2]}})",
+                         neo_hookean),
+             "/mesh/ring/outer_radius: must be greater"));
+  EXPECT_TRUE(contains(error_of<2>(component, strip(2), neo_hookean, strip_map),
+                       "/mesh/periodic_strip/cells: needs at least 3"));
+  EXPECT_TRUE(
+    contains(error_of<2>(component, R"({"rectangle": {"cells": [100000, 100000]}})", neo_hookean),
+             "/mesh/rectangle/cells: gives 20000 million elements"));
+}
+
+TEST(Hyperelastic, SaysWhatIsWrongWithTheInitialPosition)
+{
+  EXPECT_TRUE(
+    contains(error_of<2>(component, strip(8), neo_hookean), "lacks \"initial_position\""));
+  EXPECT_TRUE(
+    contains(error_of<2>(component, strip(8), neo_hookean, R"("initial_position": ["s1", "s2"])"),
+             "/initial_position: does not close"));
+  EXPECT_TRUE(
+    contains(error_of<2>(component, disc, neo_hookean, R"("initial_position": ["1 / s1", "s2"])"),
+             "/initial_position: is not finite at the reference place (0.000000, 0.000000)"));
+  const std::string mirror = R"("initial_position": ["-s1", "s2"])";
+  EXPECT_EQ(error_of<2>(component, disc, neo_hookean, mirror), "");
+  const std::string message = error_of<2>(component, disc, stress_free, mirror);
+  EXPECT_TRUE(contains(message, "/initial_position: inverts element "));
+  EXPECT_TRUE(contains(message, "det F = -1.0"));
+}
+
+TEST(Hyperelastic, SaysWhatIsWrongWithTheRest)
+{
+  EXPECT_THROW(registry().create<StructureModel<2>>(component,
+                                                    R"({"name": "my shell", "mesh": )" + disc +
+                                                      R"(, "law": )" + neo_hookean + "}"),
+               Error);
+  // The bad place belongs to one rank; all ranks must hear of it.
+  EXPECT_TRUE(contains(
+    error_of<2>(component,
+                R"({"rectangle": {"cells": [1, 4]}})",
+                R"({"anisotropic_linear": {"stiffness": 1, "fibres": [["s2 > 0.8 ? 0 : 1", 0]]}})"),
+    "/law/anisotropic_linear/fibres/0: has no direction"));
+}

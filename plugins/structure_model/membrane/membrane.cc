@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../elastic_structure.h"
+
+#include <feib/plugin.h>
+
+#include "membrane_schema.h"
+
+namespace feib
+{
+  /// The elastic structure a curve or surface, m = dim - 1.
+  template <int dim>
+  class Membrane : public ElasticStructure<dim - 1, dim>
+  {
+  public:
+    using ElasticStructure<dim - 1, dim>::ElasticStructure;
+  };
+} // namespace feib
+
+FEIB_PLUGIN("membrane", "1.0", registry)
+{
+  registry.add<feib::StructureModel, feib::Membrane>("membrane", membrane_schema);
+}

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../elastic_structure_test.h"
+
+using namespace feib;
+using namespace feib::testing;
+
+FEIB_TEST_STRUCTURE_MODEL("membrane");
+
+namespace
+{
+  const std::string component   = "membrane";
+  const std::string linear      = R"({"anisotropic_linear": {"stiffness": 2}})";
+  const std::string neo_hookean = R"({"neo_hookean": {"shear_modulus": 2}})";
+  const std::string circle      = R"("initial_position": ["cos(s1) + 3", "sin(s1) - 2"])";
+
+  std::string
+  curve(const unsigned int n)
+  {
+    return R"({"closed_curve": {"length": 6.283185307179586, "elements": )" + std::to_string(n) +
+           "}}";
+  }
+
+  std::string
+  sphere(const unsigned int refinements)
+  {
+    return R"({"sphere": {"centre": [3, 2, 1], "radius": 2, "refinements": )" +
+           std::to_string(refinements) + "}}";
+  }
+
+  template <int dim>
+  void
+  check_force(const std::string &mesh,
+              const std::string &law,
+              const std::string &parameters,
+              const std::string &more = "")
+  {
+    SCOPED_TRACE(mesh + law);
+    const auto model =
+      make_model<dim>(component, mesh, "{\"" + law + "\": " + parameters + "}", more);
+    const Positions<dim> X  = shaken(*model);
+    const NodalField<dim> f = load(*model, X);
+    const NodalField<dim> expected =
+      element_wise_load<dim - 1, dim>(model->mesh(), X, law, parameters);
+    double difference = 0;
+    for (unsigned int i = 0; i < f.size(); ++i)
+      difference = std::max(difference, (f[i] - expected[i]).norm());
+    EXPECT_LT(difference, 1e-13 * norm(expected));
+
+    if (law != "mooney_rivlin_fibres") // W is quadratic: the central difference is exact
+      for (unsigned int i = 0; i < X.size(); i += 3)
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            Positions<dim> plus = X, minus = X;
+            plus[i][c] += 1;
+            minus[i][c] -= 1;
+            EXPECT_NEAR(f[i][c],
+                        -(model->energy(plus) - model->energy(minus)) / 2,
+                        1e-12 * norm(f));
+          }
+  }
+} // namespace
+
+// On one rank and on two: the sum over ranks and the faces change nothing.
+TEST(Membrane, ForceIsElementWiseAndMinusTheGradientOfTheEnergy)
+{
+  check_force<2>(curve(33), "anisotropic_linear", R"({"stiffness": 2})", circle);
+  check_force<2>(curve(33), "mooney_rivlin_fibres", R"({"c1": 2, "fibre_modulus": 1})", circle);
+  check_force<2>(R"({"open_curve": {"length": 2, "elements": 7}})",
+                 "neo_hookean",
+                 R"({"shear_modulus": 2})",
+                 R"("initial_position": ["s1", "s1^2"])");
+  check_force<3>(sphere(1), "neo_hookean", R"({"shear_modulus": 2})");
+  check_force<3>(sphere(1),
+                 "anisotropic_linear",
+                 R"({"stiffness": 2, "fibres": [["2 - s2", "s1 - 3", "0.5"]]})");
+  check_force<3>(sphere(1),
+                 "mooney_rivlin_fibres",
+                 R"({"c1": 1, "c2": 2, "fibre_modulus": 3, "fibres": [["1", "s1", "s3"]]})");
+}
+
+// Nodes of a circle: two tensions kappa |dX/ds| along the chords, so the force points inwards.
+TEST(Membrane, ForceOnACircle)
+{
+  const unsigned int n  = 24;
+  const auto model      = make_model<2>(component, curve(n), linear, circle);
+  const NodalField<2> f = load(*model, model->positions);
+  const double h        = 2 * M_PI / n;
+  for (unsigned int i = 0; i < n; ++i)
+    {
+      const auto normal = model->positions[i] - dealii::Point<2>(3, -2);
+      EXPECT_LT((f[i] + 2 / h * (2 - 2 * std::cos(h)) * normal).norm(), 1e-13);
+    }
+}
+
+TEST(Membrane, GaussRuleHasTheWorkOfTheVertexRule)
+{
+  const auto vertex = make_model<3>(component, sphere(1), neo_hookean);
+  const auto gauss  = make_model<3>(component,
+                                   sphere(1),
+                                   neo_hookean,
+                                   R"("face_quadrature": {"gauss": {"points": 3}})");
+  EXPECT_EQ(gauss->load_points().size(), 3 * gauss->mesh().faces().size());
+  const Positions<3> X   = shaken(*vertex);
+  const NodalField<3> dX = random_field<3>(X.size(), 1);
+  const NodalField<3> f  = load(*vertex, X);
+  EXPECT_NEAR(product(load(*gauss, X), at_points(gauss->load_points(), dX)),
+              product(f, dX),
+              1e-13 * norm(f) * norm(dX));
+
+  // The faces of a curve are its nodes.
+  const auto point =
+    make_model<2>(component, curve(9), linear, circle + R"(, "face_quadrature": {"gauss": {}})");
+  EXPECT_EQ(point->load_points().nodes_per_point, 1u);
+  EXPECT_EQ(point->load_points().size(), 9u);
+}
+
+TEST(Membrane, EndsOfAnOpenCurvePullAsBoundaryFaces)
+{
+  const std::string mesh = R"({"open_curve": {"length": 2, "elements": 5}})";
+  const std::string line = R"("initial_position": ["2 * s1", "0"])";
+  const auto with        = make_model<2>(component, mesh, linear, line);
+  const auto without =
+    make_model<2>(component, mesh, linear, line + R"(, "boundary_faces": false)");
+  const NodalField<2> f = load(*with, with->positions);
+  EXPECT_NEAR(f[0][0], 4, 1e-13);
+  EXPECT_NEAR(f[5][0], -4, 1e-13);
+  EXPECT_LT(std::abs(f[2][0]), 1e-13);
+  EXPECT_LT(norm(load(*without, without->positions)), 1e-13);
+}
+
+TEST(Membrane, MeasureAndCentroid)
+{
+  const auto polygon = make_model<2>(component, curve(40), linear, circle);
+  EXPECT_NEAR(polygon->measure(polygon->positions), 20 * std::sin(2 * M_PI / 40), 1e-13);
+  EXPECT_LT(polygon->centroid(polygon->positions).distance(dealii::Point<2>(3, -2)), 1e-13);
+  // Clockwise encloses the same.
+  const auto clockwise =
+    make_model<2>(component, curve(40), linear, R"j("initial_position": ["cos(s1)", "-sin(s1)"])j");
+  EXPECT_NEAR(clockwise->measure(clockwise->positions), 20 * std::sin(2 * M_PI / 40), 1e-13);
+
+  const auto open = make_model<2>(component,
+                                  R"({"open_curve": {"length": 2, "elements": 5}})",
+                                  linear,
+                                  R"("initial_position": ["3 * s1", "4 * s1"])");
+  EXPECT_NEAR(open->measure(open->positions), 10, 1e-13);
+  EXPECT_LT(open->centroid(open->positions).distance(dealii::Point<2>(3, 4)), 1e-13);
+
+  // An icosahedron of radius R: edge a = R / sin(2 pi / 5), volume 5 (3 + sqrt 5) a^3 / 12.
+  const auto icosahedron = make_model<3>(component, sphere(0), neo_hookean);
+  const double a         = 2 / std::sin(2 * M_PI / 5);
+  EXPECT_NEAR(icosahedron->measure(icosahedron->positions),
+              5 * (3 + std::sqrt(5.)) * a * a * a / 12,
+              1e-12);
+  EXPECT_LT(icosahedron->centroid(icosahedron->positions).distance(dealii::Point<3>(3, 2, 1)),
+            1e-13);
+}
+
+TEST(Membrane, StiffnessOfLinearLaws)
+{
+  const auto polygon = make_model<2>(component, curve(40), linear, circle);
+  EXPECT_NEAR(polygon->stiffness(shaken(*polygon)), 2, 1e-12);
+  const auto surface = make_model<3>(component, sphere(1), neo_hookean);
+  EXPECT_NEAR(surface->stiffness(shaken(*surface)), 2, 1e-12);
+}
+
+TEST(Membrane, Meshes)
+{
+  const LagrangianMesh<2> closed = make_model<2>(component, curve(12), linear, circle)->mesh();
+  EXPECT_NEAR(check_mesh(closed), 2 * M_PI, 1e-13);
+  EXPECT_EQ(closed.n_nodes(), 12u);
+  EXPECT_TRUE(closed.closed());
+  for (const auto &element : closed.elements())
+    EXPECT_EQ(element.frame[0], (dealii::Tensor<1, 2>({1., 0.})));
+
+  double error = 1;
+  for (const unsigned int refinements : {0, 1, 2, 3, 4})
+    {
+      const LagrangianMesh<3> mesh =
+        make_model<3>(component, sphere(refinements), neo_hookean)->mesh();
+      EXPECT_EQ(mesh.n_elements(), 20u << 2 * refinements);
+      EXPECT_TRUE(mesh.closed());
+      const double new_error = 1 - check_mesh(mesh) / (16 * M_PI);
+      EXPECT_LT(new_error, refinements == 0 ? .5 : error / 3);
+      error = new_error;
+      EXPECT_GT(worst_shape(mesh), .7);
+    }
+}
+
+// The boundary of the unit tetrahedron, its triangles turned this way and that.
+TEST(Membrane, GmshSurfaceIsOriented)
+{
+  const TemporaryFile file(R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+$EndNodes
+$Elements
+4
+1 2 2 7 1 1 2 3
+2 2 2 7 1 1 2 4
+3 2 2 7 1 1 3 4
+4 2 2 9 1 2 3 4
+$EndElements
+)");
+  const auto model = make_model<3>(component, gmsh(file), neo_hookean);
+  EXPECT_TRUE(model->mesh().closed());
+  EXPECT_NEAR(model->measure(model->positions), 1. / 6, 1e-14);
+  EXPECT_LT(model->centroid(model->positions).distance(dealii::Point<3>(.25, .25, .25)), 1e-14);
+  EXPECT_EQ(model->mesh().elements()[3].material_id, 9u);
+  EXPECT_TRUE(
+    contains(error_of<2>(component, gmsh(file), neo_hookean),
+             "holds 4 triangles; a structure of dimension 1 in dimension 2 needs segments"));
+}
+
+// Three triangles on one edge are no surface.
+TEST(Membrane, GmshSurfaceMayNotBranch)
+{
+  const TemporaryFile file(R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 0 -1 0
+$EndNodes
+$Elements
+3
+1 2 0 1 2 3
+2 2 0 1 2 4
+3 2 0 1 2 5
+$EndElements
+)");
+  EXPECT_TRUE(contains(error_of<3>(component, gmsh(file), neo_hookean),
+                       "/mesh/gmsh/file: 3 elements share one face (elements 0, 1, 2)"));
+}
+
+TEST(Membrane, SaysWhatIsWrong)
+{
+  EXPECT_TRUE(contains(error_of<2>(component, sphere(1), neo_hookean),
+                       "sphere is a mesh of dimension 2 for dimension 3; a membrane in dimension 2 "
+                       "needs a mesh of dimension 1: closed_curve, open_curve, gmsh"));
+  EXPECT_TRUE(contains(error_of<2>(component, curve(9), linear), "lacks \"initial_position\""));
+  EXPECT_TRUE(
+    contains(error_of<2>(component, curve(9), linear, R"("initial_position": ["s1", "0"])"),
+             "/initial_position: does not close"));
+  EXPECT_TRUE(contains(error_of<3>(component, sphere(1), linear), "/fibres: is empty"));
+}
