@@ -111,7 +111,10 @@ namespace feib
       case_file = cases[0];
     else if (describe.empty() && !list_plugins && !schema && !version && !show_help)
       throw Error("which case? feib-host CASE.json runs it; see feib-host --help");
-    output = values.count("output") != 0 ? values["output"].as<std::string>() : default_output(case_file);
+    if (values.count("output") != 0)
+      output = values["output"].as<std::string>();
+    else if (!case_file.empty())
+      output = default_output(case_file);
   }
 
 

@@ -93,27 +93,6 @@ namespace
 
 
 
-  /// The component called @p name, or "kind/name" where several kinds have it.
-  Registry::Entry
-  find_component(const Registry &registry, const std::string &name)
-  {
-    std::vector<Registry::Entry> found;
-    std::string                  all;
-    for (const Registry::Entry &entry : registry.entries())
-      {
-        const std::string full = entry.kind + "/" + entry.name;
-        all += "\n  " + full;
-        if (entry.name == name || full == name)
-          found.push_back(entry);
-      }
-    if (found.size() == 1)
-      return found[0];
-    throw Error((found.empty() ? "there is no component \"" : "there are several components \"") + name +
-                "\"; " + (all.empty() ? "no plugin provides any" : "the components are" + all));
-  }
-
-
-
   /// What forbids to write into a folder, or "".
   std::string
   refusal(const std::string &directory, const bool overwrite)
@@ -196,10 +175,10 @@ namespace
   void
   run(Simulation &simulation, const CommandLine &command, const Case &description)
   {
-    prepare(command.output, description.resolved());
-    log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
+    prepare(command.output, description.resolved());
+    log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
     simulation.run({command.output, show, stop_requested});
     log::status("");
     if (stop_requested())
@@ -232,7 +211,7 @@ namespace
 
     if (!command.describe.empty())
       {
-        const Registry::Entry entry = find_component(registry, command.describe);
+        const Registry::Entry entry = registry.find(command.describe);
         const Schema          schema(entry.schema);
         return print(command.json ? schema.text() + "\n" :
                                     entry.kind + "/" + entry.name + ", from " + entry.plugin + "\n" +

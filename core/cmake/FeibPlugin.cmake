@@ -50,41 +50,37 @@ function(feib_add_plugin name)
 endfunction()
 
 # feib_add_test(<name> SOURCES <file>... [LIBRARIES <library>...] [RANKS <n>...] [LABELS <label>...]
-#               [TIMEOUT <seconds>])
-# builds a GoogleTest program and registers it with ctest once for each number of MPI ranks.
-# The tests find the plugins of the build tree.
+#               [UNREGISTERED])
+# builds a GoogleTest program and registers it with ctest once for each number of MPI ranks (by
+# default one rank; not at all when UNREGISTERED). The tests find the plugins of the build tree.
 function(feib_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LIBRARIES;RANKS;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "UNREGISTERED" "" "SOURCES;LIBRARIES;RANKS;LABELS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE Feib::testing ${arg_LIBRARIES})
   feib_precompile(${name})
-  if(NOT arg_RANKS)
+  if(NOT arg_RANKS AND NOT arg_UNREGISTERED)
     set(arg_RANKS 1)
   endif()
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 600)
-  endif()
   foreach(ranks IN LISTS arg_RANKS)
-    feib_test_on_ranks(${name} ${ranks} TIMEOUT ${arg_TIMEOUT} LABELS ${arg_LABELS})
+    feib_test_on_ranks(${name} ${ranks} LABELS ${arg_LABELS})
   endforeach()
 endfunction()
 
-# feib_test_on_ranks(<name> <ranks> [LABELS <label>...] [TIMEOUT <seconds>])
+# feib_test_on_ranks(<program> <ranks> [NAME <test>] [ARGUMENTS <argument>...] [LABELS <label>...])
 # registers a program of feib_add_test() with ctest, run on that many MPI ranks.
-function(feib_test_on_ranks name ranks)
-  cmake_parse_arguments(PARSE_ARGV 2 arg "" "TIMEOUT" "LABELS")
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 600)
+function(feib_test_on_ranks program ranks)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "NAME" "ARGUMENTS;LABELS")
+  set(test ${program})
+  if(arg_NAME)
+    set(test ${arg_NAME})
   endif()
-  if(ranks EQUAL 1)
-    set(test ${name})
-    add_test(NAME ${test} COMMAND ${name})
-  else()
-    set(test ${name}_np${ranks})
-    add_test(NAME ${test}
-      COMMAND ${MPIEXEC_EXECUTABLE} -np ${ranks} --oversubscribe $<TARGET_FILE:${name}>)
+  set(command $<TARGET_FILE:${program}> ${arg_ARGUMENTS})
+  if(ranks GREATER 1)
+    string(APPEND test _np${ranks})
+    list(PREPEND command ${MPIEXEC_EXECUTABLE} -np ${ranks} --oversubscribe)
   endif()
+  add_test(NAME ${test} COMMAND ${command})
   set_tests_properties(${test} PROPERTIES
-    PROCESSORS ${ranks} TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}"
+    PROCESSORS ${ranks} TIMEOUT 600 LABELS "${arg_LABELS}"
     ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_hwloc_base_binding_policy=none")
 endfunction()

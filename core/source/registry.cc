@@ -131,6 +131,32 @@ namespace feib
 
 
 
+  Registry::Entry
+  Registry::find(const std::string &name) const
+  {
+    std::vector<Entry>       found;
+    std::vector<std::string> names;
+    std::string              all;
+    for (const Entry &entry : entries())
+      {
+        const std::string full = entry.kind + "/" + entry.name;
+        names.push_back(entry.name);
+        all += "\n  " + full;
+        if (entry.name == name || full == name)
+          found.push_back(entry);
+      }
+    if (found.size() == 1)
+      return found[0];
+    if (names.empty())
+      throw Error("there is no component \"" + name + "\": no plugin provides any");
+    const std::string guess = nearest(name, names);
+    throw Error((found.empty() ? "there is no component \"" : "there are several components \"") + name +
+                "\"" + (guess.empty() || !found.empty() ? "" : "; did you mean \"" + guess + "\"?") +
+                "; the components are" + all);
+  }
+
+
+
   std::vector<Registry::Entry>
   Registry::entries() const
   {

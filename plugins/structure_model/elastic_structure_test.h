@@ -70,10 +70,11 @@ namespace feib::testing
     return load;
   }
 
-  /// What a mesh must keep, whatever it is. Returns the reference measure.
+  /// What a mesh must keep, whatever it is. Returns the reference measure. @p glued: some nodes
+  /// have two reference places.
   template <int dim>
   double
-  check_mesh(const LagrangianMesh<dim> &mesh)
+  check_mesh(const LagrangianMesh<dim> &mesh, const bool glued = false)
   {
     const unsigned int m = mesh.structure_dim();
     double measure       = 0;
@@ -85,6 +86,14 @@ namespace feib::testing
         for (unsigned int k = 0; k <= m; ++k)
           sum += element.shape_gradients[k];
         EXPECT_LT(sum.norm() * element.diameter, 1e-12);
+        // The derivative of the place along a vector of the frame is that vector.
+        for (unsigned int l = 0; l < m && !glued; ++l)
+          {
+            dealii::Tensor<1, dim> derivative;
+            for (unsigned int k = 0; k <= m; ++k)
+              derivative += element.shape_gradients[k][l] * mesh.nodes()[element.nodes[k]];
+            EXPECT_LT((derivative - element.frame[l]).norm(), 1e-12);
+          }
         for (unsigned int k = 0; k < m; ++k)
           for (unsigned int l = 0; l < m; ++l)
             EXPECT_NEAR(element.frame[k] * element.frame[l], k == l, 1e-12);

@@ -49,6 +49,11 @@ namespace feib
     std::unique_ptr<Interface>
     create(const std::string &name, const std::string &json = "{}") const;
 
+    /// The component called @p name, or "kind/name" where several kinds have one of that name. Throws
+    /// Error, with the nearest name and the list, when there is no such component or not only one.
+    Entry
+    find(const std::string &name) const;
+
     /// All components, sorted by kind and name.
     std::vector<Entry>
     entries() const;

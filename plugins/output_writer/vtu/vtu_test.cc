@@ -23,7 +23,7 @@ namespace
   public:
     explicit VtuFile(const std::string &text)
     {
-      static const std::regex tag("<DataArray([^>]*)>([^<]*)</DataArray>");
+      static const std::regex tag("<DataArray([^>]* format=\"binary\"[^>]*)>([^<]*)</DataArray>");
       static const std::regex name(" Name=\"([^\"]*)\""), type(" type=\"([^\"]*)\"");
       for (std::sregex_iterator match(text.begin(), text.end(), tag), end; match != end; ++match)
         {

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "small_case.h"
+#include "support/run_host.h"
+
+#include <gtest/gtest.h>
+
+using namespace feib::testing;
+namespace fs = std::filesystem;
+
+namespace
+{
+  /// Bad input gets a sentence with its place, exit code 2 and no folder.
+  class BadInput : public ::testing::Test
+  {
+  protected:
+    /// The small case with one part replaced.
+    static std::string
+    changed(const std::string &what, const std::string &with)
+    {
+      std::string       text  = small_case;
+      const std::size_t place = text.find(what);
+      if (place == std::string::npos)
+        throw std::logic_error("the case does not hold " + what);
+      return text.replace(place, what.size(), with);
+    }
+
+    /// The small case with a structure.
+    static std::string
+    with_structure(const std::string &structure)
+    {
+      return changed("\"structures\": []", "\"structures\": [\n" + structure + " ]");
+    }
+
+    /// Runs a text; each line of the answer must start with the given text.
+    void
+    refused(const std::string &text, const std::vector<std::string> &lines)
+    {
+      folder.write("case.json", text);
+      const RunResult result = run_host("case.json --output out", 1, folder.path.string());
+      EXPECT_EQ(result.exit_code, 2);
+      std::istringstream       stream(result.output);
+      std::vector<std::string> found;
+      for (std::string line; std::getline(stream, line);)
+        found.push_back(line);
+      ASSERT_EQ(found.size(), lines.size()) << result.output;
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        EXPECT_EQ(found[i].substr(0, lines[i].size()), lines[i]) << found[i];
+      EXPECT_FALSE(fs::exists(folder / "out"));
+    }
+
+    TemporaryFolder folder;
+  };
+} // namespace
+
+TEST_F(BadInput, SyntaxError)
+{
+  refused(changed("[2, 2] },", "[2, 2] }"),
+          {"case.json:4:9: error: syntax error while parsing object - unexpected string literal"});
+}
+
+TEST_F(BadInput, DuplicateKey)
+{
+  refused(changed("\"step\": 0.1,", "\"step\": 0.1, \"step\": 0.2,"),
+          {"case.json:6:26: error: /time/step: the key \"step\" stands here a second time"});
+}
+
+TEST_F(BadInput, UnknownKey)
+{
+  refused(changed("\"density\": 1,", "\"density\": 1, \"viscosty\": 1,"),
+          {"case.json:4:59: error: /fluid/navier_stokes/viscosty: unknown key \"viscosty\"; did you mean "
+           "\"viscosity\"?"});
+}
+
+TEST_F(BadInput, WrongType)
+{
+  refused(changed("\"density\": 1", "\"density\": \"heavy\""),
+          {"case.json:4:44: error: /fluid/navier_stokes/density: must be a number, found the string "
+           "\"heavy\""});
+}
+
+TEST_F(BadInput, OutOfRange)
+{
+  refused(changed("\"density\": 1", "\"density\": -1"),
+          {"case.json:4:44: error: /fluid/navier_stokes/density: must be greater than 0, found -1"});
+}
+
+TEST_F(BadInput, UnknownComponent)
+{
+  refused(changed("\"structures\"", "\"coupling\": { \"magic\": {} }, \"structures\""),
+          {"case.json:5:26: error: /coupling/magic: no plugin provides the coupling_operator \"magic\"; "
+           "available are \"variational\""});
+}
+
+TEST_F(BadInput, SeveralAtOnce)
+{
+  refused(changed("\"density\": 1, \"viscosity\": 1", "\"density\": 0, \"viscosity\": \"thick\", \"a_key\": 1"),
+          {"case.json:4:44: error: /fluid/navier_stokes/density: must be greater than 0, found 0",
+           "case.json:4:60: error: /fluid/navier_stokes/viscosity: must be a number",
+           "case.json:4:78: error: /fluid/navier_stokes/a_key: unknown key \"a_key\"; allowed are"});
+}
+
+TEST_F(BadInput, Setting)
+{
+  folder.write("case.json", small_case);
+  const RunResult result =
+    run_host("case.json --output out --set /time/step=fast", 1, folder.path.string());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.output,
+            "--set /time/step: error: /time/step: must be a number, found the string \"fast\"\n");
+}
+
+TEST_F(BadInput, GmshFileMissing)
+{
+  refused(with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "gmsh": { "file": "none.msh" } },
+  "law": { "neo_hookean": { "shear_modulus": 1 } } } })"),
+          {"case.json:6:63: error: /structures/0/hyperelastic/mesh/gmsh/file: "});
+}
+
+TEST_F(BadInput, GmshFileOfTheWrongDimension)
+{
+  folder.write("segments.msh",
+               "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0.4 0.5 0\n2 0.6 0.5 0\n$EndNodes\n"
+               "$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n");
+  refused(with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "gmsh": { "file": "segments.msh" } },
+  "law": { "neo_hookean": { "shear_modulus": 1 } } } })"),
+          {"case.json:6:63: error: /structures/0/hyperelastic/mesh/gmsh/file: "});
+}
+
+TEST_F(BadInput, StructureOutsideTheBox)
+{
+  refused(
+    with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "disc": { "centre": [0.9, 0.5], "radius": 0.2, "rings": 2 } },
+  "law": { "neo_hookean": { "shear_modulus": 1 } } } })"),
+    {"case.json:6:"});
+}
+
+TEST_F(BadInput, InvertedElements)
+{
+  refused(
+    with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "disc": { "centre": [0.5, 0.5], "radius": 0.2, "rings": 2 } },
+  "initial_position": ["1 - s1", "s2"],
+  "law": { "neo_hookean": { "shear_modulus": 1, "stress_free": true } } } })"),
+    {"case.json:"});
+}
+
+TEST_F(BadInput, ExpressionThatDoesNotParse)
+{
+  refused(changed("\"viscosity\": 1", "\"viscosity\": 1, \"body_force\": [0, \"sin(x) * height\"]"),
+          {"case.json:4:82: error: /fluid/navier_stokes/body_force/1: the expression \"sin(x) * height\" cannot "
+           "be read: "});
+}
+
+TEST_F(BadInput, ExpressionsThatAreTooFew)
+{
+  refused(changed("[2, 2] }", "[2, 2, 2] }"), {"case.json:3:24: error: /domain/cells: "});
+}

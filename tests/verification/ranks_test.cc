@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// The ledger does not depend on the number of ranks.
+#include "support/run_host.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace
+{
+  using namespace feib::testing;
+
+  struct Table
+  {
+    std::vector<std::string> columns;
+    std::vector<std::vector<double>> rows;
+  };
+
+  Table
+  read_ledger(const std::string &file)
+  {
+    Table table;
+    std::istringstream text(read_file(file));
+    std::string line, cell;
+    std::getline(text, line);
+    std::istringstream header(line);
+    while (std::getline(header, cell, ','))
+      table.columns.push_back(cell);
+    while (std::getline(text, line))
+      {
+        std::istringstream row(line);
+        table.rows.emplace_back();
+        while (std::getline(row, cell, ','))
+          table.rows.back().push_back(std::stod(cell));
+      }
+    return table;
+  }
+
+  void
+  compare(const std::string &name, const std::string &settings)
+  {
+    const TemporaryFolder temporary;
+    for (const unsigned int ranks : {1, 2, 3})
+      {
+        const RunResult run =
+          run_host(shell_quoted(FEIB_SOURCE "/cases/" + name + "/case.json") + " --output " +
+                     shell_quoted(temporary / std::to_string(ranks)) +
+                     " --set '/output=[{\"ledger_csv\": {}}]' " + settings,
+                   ranks);
+        ASSERT_EQ(run.exit_code, 0) << run.output;
+        EXPECT_EQ(read_json(temporary / std::to_string(ranks) + "/summary.json")["ranks"], ranks);
+      }
+    const Table one = read_ledger(temporary / "1/ledger.csv");
+    ASSERT_GT(one.rows.size(), 10u);
+    for (const std::string ranks : {"2", "3"})
+      {
+        const Table other = read_ledger(temporary / (ranks + "/ledger.csv"));
+        ASSERT_EQ(one.columns, other.columns);
+        ASSERT_EQ(one.rows.size(), other.rows.size());
+        double worst = 0;
+        for (unsigned int c = 0; c < one.columns.size(); ++c)
+          {
+            if (one.columns[c].rfind("seconds", 0) == 0)
+              continue;
+            // Relative to the largest value of the column; sums that cancel, to 1e-6.
+            double scale = 1e-6;
+            for (const auto &row : one.rows)
+              scale = std::max(scale, std::abs(row[c]));
+            for (unsigned int i = 0; i < one.rows.size(); ++i)
+              {
+                const double difference = std::abs(one.rows[i][c] - other.rows[i][c]) / scale;
+                worst                   = std::max(worst, difference);
+                EXPECT_LE(difference, 1e-8)
+                  << one.columns[c] << ", row " << i << ", ranks " << ranks;
+              }
+          }
+        std::cout << name << ": ranks 1 and " << ranks << " differ by " << worst << std::endl;
+      }
+  }
+} // namespace
+
+TEST(Ranks, ThickShellOnAMeshThatFollowsIt)
+{
+  compare("elliptic_shell", "--set /time/end=0.03 --set /domain/cells=[8,8]");
+}
+
+TEST(Ranks, MembraneInAPeriodicBox)
+{
+  compare("elliptic_membrane", "--set /time/end=0.02 --set /domain/cells=[16,16]");
+}
+
+TEST(Ranks, DrivenCavityWithImplicitConvection)
+{
+  compare("cavity_disc",
+          "--set /time/end=0.15 --set /domain/cells=[12,12] "
+          "--set '/fluid/navier_stokes/convection=\"implicit\"'");
+}
