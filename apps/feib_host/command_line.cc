@@ -40,7 +40,6 @@ namespace feib
     }
 
 
-
     std::string
     default_output(const std::string &case_file)
     {
@@ -50,7 +49,6 @@ namespace feib
       return (std::filesystem::path("output") / (named_by_folder ? folder : file.stem())).string();
     }
   } // namespace
-
 
 
   CommandLine::CommandLine(const int argc, const char *const *argv)
@@ -103,8 +101,8 @@ namespace feib
     if (json && describe.empty())
       throw Error("--json goes with --describe NAME");
 
-    const auto cases = values.count("case") != 0 ? values["case"].as<std::vector<std::string>>() :
-                                                   std::vector<std::string>();
+    const auto cases = values.count("case") != 0 ? values["case"].as<std::vector<std::string>>()
+                                                 : std::vector<std::string>();
     if (cases.size() > 1)
       throw Error("one case at a time, found " + cases[0] + " and " + cases[1]);
     if (!cases.empty())
@@ -118,7 +116,6 @@ namespace feib
   }
 
 
-
   std::string
   CommandLine::help()
   {
@@ -126,7 +123,8 @@ namespace feib
     text << "feib-host CASE.json [options]\n"
             "Runs an immersed fluid-structure simulation.\n\n"
          << options()
-         << "\nExit codes: 0 done, 1 trouble while running, 2 a case or a command line that cannot be run.\n";
+         << "\nExit codes: 0 done, 1 trouble while running, 2 a case or a command line that cannot "
+            "be run.\n";
     return text.str();
   }
 } // namespace feib

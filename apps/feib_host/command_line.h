@@ -16,15 +16,14 @@ namespace feib
     CommandLine(int argc, const char *const *argv);
 
     /// The text of --help.
-    static std::string
-    help();
+    static std::string help();
 
-    std::string              case_file;
-    std::string              output; // the folder the results go to
-    Case::Settings           settings;
+    std::string case_file;
+    std::string output; // the folder the results go to
+    Case::Settings settings;
     std::vector<std::string> plugin_path;
-    std::string              describe;
-    std::string              log_level;
+    std::string describe;
+    std::string log_level;
 
     bool validate     = false;
     bool list_plugins = false;

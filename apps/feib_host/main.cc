@@ -32,13 +32,11 @@ namespace
   }
 
 
-
   bool
   speaks()
   {
     return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
   }
-
 
 
   void
@@ -47,7 +45,6 @@ namespace
     if (speaks())
       std::cout << text << std::flush;
   }
-
 
 
   void
@@ -59,14 +56,12 @@ namespace
   }
 
 
-
   /// What rank 0 finds, known to all.
   std::string
   on_rank_0(const std::function<std::string()> &find)
   {
     return dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, speaks() ? find() : std::string());
   }
-
 
 
   std::string
@@ -84,13 +79,12 @@ namespace
           for (const std::string &component : plugin.components)
             text << "    " << component << '\n';
         }
-    text << "Skipped:\n";
+    std::string skipped;
     for (const PluginLoader::Result &plugin : loader.results())
       if (!plugin.accepted)
-        text << "  " << plugin.file << ": " << plugin.reason << '\n';
-    return text.str();
+        skipped += "  " + plugin.file + ": " + plugin.reason + "\n";
+    return text.str() + (skipped.empty() ? "" : "Skipped:\n" + skipped);
   }
-
 
 
   /// What forbids to write into a folder, or "".
@@ -107,7 +101,6 @@ namespace
              " is not empty; choose another with --output, or allow this one with --overwrite";
     return "";
   }
-
 
 
   /// Makes the folder and puts the exact run there.
@@ -129,11 +122,10 @@ namespace
   }
 
 
-
   std::string
   duration(const double seconds)
   {
-    const auto         whole = static_cast<unsigned long>(seconds + 0.5);
+    const auto whole = static_cast<unsigned long>(seconds + 0.5);
     std::ostringstream text;
     if (whole >= 3600)
       text << whole / 3600 << " h " << whole / 60 % 60 << " min";
@@ -145,20 +137,18 @@ namespace
   }
 
 
-
   void
   show(const Progress &progress)
   {
-    const double       share = std::min(1., progress.time / progress.end);
+    const double share = std::min(1., progress.time / progress.end);
     std::ostringstream line;
-    line << std::fixed << std::setprecision(1) << std::setw(5) << 100 * share << " %  step " << progress.step
-         << std::defaultfloat << std::setprecision(4) << "  time " << progress.time << " of "
-         << progress.end;
+    line << std::fixed << std::setprecision(1) << std::setw(5) << 100 * share << " %  step "
+         << progress.step << std::defaultfloat << std::setprecision(4) << "  time " << progress.time
+         << " of " << progress.end;
     if (share > 0)
       line << "  " << duration(progress.wall_seconds * (1 - share) / share) << " left";
     log::status(line.str());
   }
-
 
 
   /// Whether any rank was told to stop.
@@ -169,7 +159,6 @@ namespace
       dealii::Utilities::MPI::max(static_cast<int>(signal_received), MPI_COMM_WORLD);
     return signal_received != 0;
   }
-
 
 
   void
@@ -187,7 +176,6 @@ namespace
   }
 
 
-
   /// Returns the exit code. Throws Error and RunFailure on all ranks alike.
   int
   execute(const CommandLine &command)
@@ -199,8 +187,8 @@ namespace
     log::set_level(command.log_level);
 
     const std::vector<std::string> path = PluginLoader::search_path(command.plugin_path);
-    Registry                       registry;
-    PluginLoader                   loader(registry);
+    Registry registry;
+    PluginLoader loader(registry);
     for (const std::string &directory : path)
       loader.load_directory(directory);
     if (command.list_plugins)
@@ -212,10 +200,10 @@ namespace
     if (!command.describe.empty())
       {
         const Registry::Entry entry = registry.find(command.describe);
-        const Schema          schema(entry.schema);
-        return print(command.json ? schema.text() + "\n" :
-                                    entry.kind + "/" + entry.name + ", from " + entry.plugin + "\n" +
-                                      schema.describe()),
+        const Schema schema(entry.schema);
+        return print(command.json ? schema.text() + "\n"
+                                  : entry.kind + "/" + entry.name + ", from " + entry.plugin +
+                                      "\n" + schema.describe()),
                0;
       }
     if (command.schema)
@@ -227,8 +215,8 @@ namespace
           !problem.empty())
         throw Error(problem);
 
-    const std::string           text = Case::read(command.case_file);
-    std::unique_ptr<Case>       description;
+    const std::string text = Case::read(command.case_file);
+    std::unique_ptr<Case> description;
     std::unique_ptr<Simulation> simulation;
     try
       {
@@ -247,7 +235,6 @@ namespace
   }
 
 
-
   /// An exception that perhaps only this rank has met: the others would wait for ever.
   int
   give_up(const std::string &what)
@@ -261,12 +248,11 @@ namespace
 } // namespace
 
 
-
 int
 main(int argc, char **argv)
 {
   // The libraries underneath have options of their own with the same names: they get to see none.
-  int                                      only_the_name = 1;
+  int only_the_name = 1;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);
   try
     {
@@ -275,7 +261,8 @@ main(int argc, char **argv)
   catch (const Error &error)
     {
       for (const Issue &issue : error.issues())
-        complain("error: " + (issue.pointer.empty() ? "" : issue.pointer + ": ") + issue.message + "\n");
+        complain("error: " + (issue.pointer.empty() ? "" : issue.pointer + ": ") + issue.message +
+                 "\n");
       return 2;
     }
   catch (const RunFailure &failure)

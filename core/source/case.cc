@@ -29,11 +29,11 @@ namespace feib
       }
 
       std::map<std::string, std::size_t> offsets; // by JSON pointer
-      Issues                             duplicates;
+      Issues duplicates;
 
     private:
       const std::string &text;
-      std::size_t        at = 0;
+      std::size_t at = 0;
 
       /// The next character that is neither space nor comment.
       char
@@ -92,8 +92,9 @@ namespace feib
             const std::size_t start = at;
             const std::string key   = string();
             if (!keys.insert(key).second)
-              duplicates.push_back(
-                {pointer + pointer_part(key), "the key \"" + key + "\" stands here a second time", start});
+              duplicates.push_back({pointer + pointer_part(key),
+                                    "the key \"" + key + "\" stands here a second time",
+                                    start});
             next();
             ++at; // the colon
             value(pointer + pointer_part(key));
@@ -116,7 +117,6 @@ namespace feib
     };
 
 
-
     Json
     parse(const std::string &text)
     {
@@ -127,8 +127,8 @@ namespace feib
         }
       catch (const Json::parse_error &failure)
         {
-          std::string       message = failure.what();
-          const std::size_t start   = message.find("syntax error");
+          std::string message     = failure.what();
+          const std::size_t start = message.find("syntax error");
           if (start != std::string::npos)
             message.erase(0, start);
           throw Error(Issues{{"", message, std::max<std::size_t>(failure.byte, 1) - 1}});
@@ -142,7 +142,6 @@ namespace feib
         throw Error(places.duplicates);
       return document;
     }
-
 
 
     /// Puts the value of one --set into the document; returns what is wrong with it, or "".
@@ -163,13 +162,13 @@ namespace feib
           return "the value is not UTF-8 text";
         }
 
-      Json                          *place = &document;
-      std::string                    where;
+      Json *place = &document;
+      std::string where;
       const std::vector<std::string> parts = pointer_parts(pointer);
       for (std::size_t i = 0; i < parts.size(); ++i)
         {
           const std::string &part = parts[i];
-          const bool         last = i + 1 == parts.size();
+          const bool last         = i + 1 == parts.size();
           if (place->is_object())
             {
               if (!last && !place->contains(part))
@@ -182,7 +181,8 @@ namespace feib
               const bool is_index = !part.empty() && part.size() < 9 &&
                                     part.find_first_not_of("0123456789") == std::string::npos;
               if (!is_index || std::stoul(part) >= place->size())
-                return where + " has " + std::to_string(place->size()) + " entries, no \"" + part + "\"";
+                return where + " has " + std::to_string(place->size()) + " entries, no \"" + part +
+                       "\"";
               place = &(*place)[std::stoul(part)];
             }
           else
@@ -194,7 +194,6 @@ namespace feib
     }
 
 
-
     bool
     is_identifier(const std::string &name)
     {
@@ -203,7 +202,6 @@ namespace feib
                return std::isalnum(c) || c == '_';
              });
     }
-
 
 
     /// The constants of the case, with pi and e.
@@ -230,30 +228,29 @@ namespace feib
     }
 
 
-
     std::string
     position(const std::string &text, const std::size_t offset)
     {
-      const auto        end   = text.begin() + std::min(offset, text.size());
-      const auto        lines = std::count(text.begin(), end, '\n');
+      const auto end          = text.begin() + std::min(offset, text.size());
+      const auto lines        = std::count(text.begin(), end, '\n');
       const std::size_t start = std::string(text.begin(), end).rfind('\n') + 1; // 0 without any
-      const auto        column =
-        std::count_if(text.begin() + start, end, [](const unsigned char c) { return (c & 0xC0) != 0x80; });
+      const auto column       = std::count_if(text.begin() + start, end, [](const unsigned char c) {
+        return (c & 0xC0) != 0x80;
+      });
       return std::to_string(lines + 1) + ":" + std::to_string(column + 1);
     }
   } // namespace
 
 
-
   Case::Case(const std::string &text,
              const std::string &file,
-             const Registry    &registry,
-             const Settings    &settings)
+             const Registry &registry,
+             const Settings &settings)
     : text(text)
     , file(file)
     , settings(settings)
   {
-    Json   document = parse(text);
+    Json document = parse(text);
     Issues issues;
     for (const auto &[pointer, value] : settings)
       if (const std::string problem = apply(document, pointer, value); !problem.empty())
@@ -261,7 +258,7 @@ namespace feib
     if (!issues.empty())
       throw Error(issues);
 
-    const Schema      schema  = Schema::compose(registry);
+    const Schema schema       = Schema::compose(registry);
     const std::string written = document.dump();
     issues                    = schema.explain(written);
     if (issues.empty())
@@ -274,17 +271,16 @@ namespace feib
     if (!issues.empty())
       throw Error(issues);
 
-    document                  = Json::parse(resolved_text);
-    const auto known          = constants(document, issues);
-    const auto directory      = std::filesystem::path(file).parent_path();
-    const auto shared         = std::make_shared<Document>(
-      Document{std::move(document), &registry, known, directory.empty() ? "." : directory.string()});
+    document             = Json::parse(resolved_text);
+    const auto known     = constants(document, issues);
+    const auto directory = std::filesystem::path(file).parent_path();
+    const auto shared    = std::make_shared<Document>(Document{
+      std::move(document), &registry, known, directory.empty() ? "." : directory.string()});
     if (!issues.empty())
       throw Error(issues);
     view = std::make_unique<Parameters>(
       std::make_shared<Parameters::Node>(Parameters::Node{shared, &shared->root, ""}));
   }
-
 
 
   std::string
@@ -294,8 +290,8 @@ namespace feib
     std::string answer;
     if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       {
-        std::error_code    problem;
-        std::ifstream      stream(file);
+        std::error_code problem;
+        std::ifstream stream(file);
         std::ostringstream content;
         if (std::filesystem::is_directory(file, problem))
           answer = "!is a folder";
@@ -313,13 +309,11 @@ namespace feib
   }
 
 
-
   Case
   Case::from_file(const std::string &file, const Registry &registry, const Settings &settings)
   {
     return Case(read(file), file, registry, settings);
   }
-
 
 
   const Parameters &
@@ -329,13 +323,11 @@ namespace feib
   }
 
 
-
   std::string
   Case::resolved() const
   {
     return resolved_text;
   }
-
 
 
   std::string
@@ -345,16 +337,15 @@ namespace feib
   }
 
 
-
   std::string
-  Case::format(const Issues      &issues,
+  Case::format(const Issues &issues,
                const std::string &text,
                const std::string &file,
-               const Settings    &settings)
+               const Settings &settings)
   {
-    const bool   is_syntax_error = Json::parse(text, nullptr, false, true).is_discarded();
+    const bool is_syntax_error = Json::parse(text, nullptr, false, true).is_discarded();
     const Places places(is_syntax_error ? "null" : text);
-    const auto   place = [&](const Issue &issue) {
+    const auto place = [&](const Issue &issue) {
       if (issue.offset)
         return file + ":" + position(text, *issue.offset);
       for (auto setting = settings.rbegin(); setting != settings.rend(); ++setting)

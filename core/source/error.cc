@@ -17,11 +17,9 @@ namespace feib
   } // namespace
 
 
-
   Error::Error(const std::string &message)
     : Error(Issues{{"", message}})
   {}
-
 
 
   Error::Error(const std::string &pointer, const std::string &message)
@@ -29,12 +27,10 @@ namespace feib
   {}
 
 
-
   Error::Error(Issues issues)
     : std::runtime_error(joined(issues))
     , issue_list(std::move(issues))
   {}
-
 
 
   const Issues &

@@ -15,7 +15,6 @@ namespace feib
     const std::vector<std::string> reference_names = {"s1", "s2", "s3"};
 
 
-
     /// A parser that knows the functions, pi and e, and nothing else.
     mu::Parser
     make_parser()
@@ -38,12 +37,11 @@ namespace feib
     }
 
 
-
     [[noreturn]] void
-    refuse(const Parameters               &parameters,
-           const std::string              &place,
-           const std::string              &text,
-           std::string                     problem,
+    refuse(const Parameters &parameters,
+           const std::string &place,
+           const std::string &text,
+           std::string problem,
            const std::vector<std::string> &variables)
     {
       while (!problem.empty() && (problem.back() == '.' || problem.back() == '\n'))
@@ -59,7 +57,6 @@ namespace feib
     }
 
 
-
     /// What muParser takes and no one can have meant: several results, assignments.
     std::string
     misuse(const mu::Parser &parser, const std::string &text)
@@ -68,14 +65,14 @@ namespace feib
         return "it has several results";
       for (std::size_t i = text.find('='); i != std::string::npos; i = text.find('=', i + 1))
         {
-          const bool comparison = (i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos) ||
-                                  (i + 1 < text.size() && text[i + 1] == '=');
+          const bool comparison =
+            (i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos) ||
+            (i + 1 < text.size() && text[i + 1] == '=');
           if (!comparison)
             return "= assigns; to compare write ==";
         }
       return "";
     }
-
 
 
     /// The place of component i; one expression may stand alone, without an array around it.
@@ -86,21 +83,20 @@ namespace feib
     }
 
 
-
     /// Not for concurrent use: the variables are members.
     template <int dim>
     class ExpressionFunction : public dealii::Function<dim>
     {
     public:
-      ExpressionFunction(const Parameters               &parameters,
-                         const std::string              &key,
+      ExpressionFunction(const Parameters &parameters,
+                         const std::string &key,
                          const std::vector<std::string> &texts,
-                         const Variables                 variables)
+                         const Variables variables)
         : dealii::Function<dim>(texts.size())
         , has_time(variables == Variables::space_time)
         , components(texts.size())
       {
-        const auto              &all = has_time ? space_names : reference_names;
+        const auto &all = has_time ? space_names : reference_names;
         std::vector<std::string> names(all.begin(), all.begin() + dim);
         if (has_time)
           names.push_back("t");
@@ -149,13 +145,13 @@ namespace feib
       struct Component
       {
         mu::Parser parser;
-        bool       constant;
-        double     value; // when constant
+        bool constant;
+        double value; // when constant
       };
 
-      const bool                        has_time;
+      const bool has_time;
       mutable std::array<double, dim + 1> values; // the parsers hold pointers to them
-      std::vector<Component>            components;
+      std::vector<Component> components;
 
       void
       set_variables(const dealii::Point<dim> &p) const
@@ -175,13 +171,12 @@ namespace feib
   } // namespace
 
 
-
   template <int dim>
   std::unique_ptr<dealii::Function<dim>>
-  parse_expressions(const Parameters  &parameters,
+  parse_expressions(const Parameters &parameters,
                     const std::string &key,
                     const unsigned int n_components,
-                    const Variables    variables)
+                    const Variables variables)
   {
     const std::vector<std::string> texts = parameters.expressions(key);
     if (texts.size() != n_components)
@@ -190,7 +185,6 @@ namespace feib
                         std::to_string(texts.size()));
     return std::make_unique<ExpressionFunction<dim>>(parameters, key, texts, variables);
   }
-
 
 
   bool
@@ -221,17 +215,16 @@ namespace feib
   }
 
 
-
   bool
   is_expression_word(const std::string &name)
   {
     static const mu::Parser parser = make_parser();
     return name == "pi" || name == "e" || name == "t" ||
            std::find(space_names.begin(), space_names.end(), name) != space_names.end() ||
-           std::find(reference_names.begin(), reference_names.end(), name) != reference_names.end() ||
+           std::find(reference_names.begin(), reference_names.end(), name) !=
+             reference_names.end() ||
            parser.GetFunDef().count(name) != 0;
   }
-
 
 
   template std::unique_ptr<dealii::Function<2>>

@@ -21,7 +21,6 @@ namespace feib
   }
 
 
-
   std::vector<std::string>
   pointer_parts(const std::string &pointer)
   {
@@ -37,7 +36,6 @@ namespace feib
   }
 
 
-
   std::string
   quoted_list(const std::vector<std::string> &names)
   {
@@ -46,7 +44,6 @@ namespace feib
       list += (list.empty() ? "\"" : ", \"") + name + "\"";
     return list;
   }
-
 
 
   std::string
@@ -87,7 +84,6 @@ namespace feib
       }
     return best;
   }
-
 
 
   std::map<std::string, double>

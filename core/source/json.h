@@ -12,39 +12,34 @@ namespace feib
   using Json = nlohmann::ordered_json;
 
   /// A key as a part of a JSON pointer: "/" + key, with ~ and / escaped.
-  std::string
-  pointer_part(const std::string &key);
+  std::string pointer_part(const std::string &key);
 
   /// The keys (and indices) a JSON pointer is made of.
-  std::vector<std::string>
-  pointer_parts(const std::string &pointer);
+  std::vector<std::string> pointer_parts(const std::string &pointer);
 
   /// "a", "b", "c"
-  std::string
-  quoted_list(const std::vector<std::string> &names);
+  std::string quoted_list(const std::vector<std::string> &names);
 
   /// The entry of @p names that @p name was probably meant to be, or "".
-  std::string
-  nearest(const std::string &name, const std::vector<std::string> &names);
+  std::string nearest(const std::string &name, const std::vector<std::string> &names);
 
   /// What views of a case share.
   struct Document
   {
-    Json                          root;
-    const Registry               *registry;
+    Json root;
+    const Registry *registry;
     std::map<std::string, double> constants;
-    std::string                   directory;
+    std::string directory;
   };
 
   /// pi and e, which every expression knows.
-  std::map<std::string, double>
-  mathematical_constants();
+  std::map<std::string, double> mathematical_constants();
 
   struct Parameters::Node
   {
     std::shared_ptr<const Document> document;
-    const Json                     *value;
-    std::string                     pointer;
+    const Json *value;
+    std::string pointer;
   };
 } // namespace feib
 

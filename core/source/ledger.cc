@@ -31,13 +31,11 @@ namespace feib
   }
 
 
-
   const std::vector<std::string> &
   Ledger::columns() const
   {
     return names;
   }
-
 
 
   unsigned int
@@ -47,13 +45,11 @@ namespace feib
   }
 
 
-
   const std::vector<double> &
   Ledger::row(const unsigned int i) const
   {
     return rows.at(i);
   }
-
 
 
   double
@@ -64,7 +60,6 @@ namespace feib
       throw std::logic_error("the ledger has no column \"" + column + "\"");
     return rows.at(i)[place - names.begin()];
   }
-
 
 
   double

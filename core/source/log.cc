@@ -53,7 +53,6 @@ namespace feib::log
     };
 
 
-
     struct Output
     {
       Output()
@@ -64,9 +63,8 @@ namespace feib::log
       }
 
       std::shared_ptr<Console> console = std::make_shared<Console>();
-      spdlog::logger           logger{"feib", console};
+      spdlog::logger logger{"feib", console};
     };
-
 
 
     /// Never destroyed: a library may log while the program ends.
@@ -78,13 +76,11 @@ namespace feib::log
     }
 
 
-
     bool
     speaks()
     {
       return dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
     }
-
 
 
     void
@@ -94,7 +90,6 @@ namespace feib::log
         output().logger.log(level, spdlog::string_view_t(message));
     }
   } // namespace
-
 
 
   void
@@ -107,14 +102,14 @@ namespace feib::log
       {"warning", spdlog::level::warn},
       {"error", spdlog::level::err},
       {"off", spdlog::level::off}};
-    const auto place =
-      std::find_if(levels.begin(), levels.end(), [&](const auto &entry) { return entry.first == level; });
+    const auto place = std::find_if(levels.begin(), levels.end(), [&](const auto &entry) {
+      return entry.first == level;
+    });
     if (place == levels.end())
       throw Error("there is no log level \"" + level +
                   "\"; the levels are trace, debug, info, warning, error and off");
     output().console->set_level(place->second);
   }
-
 
 
   void
@@ -139,7 +134,6 @@ namespace feib::log
   }
 
 
-
   void
   status(const std::string &line)
   {
@@ -149,13 +143,11 @@ namespace feib::log
   }
 
 
-
   void
   debug(const std::string &message)
   {
     write(spdlog::level::debug, message);
   }
-
 
 
   void
@@ -165,13 +157,11 @@ namespace feib::log
   }
 
 
-
   void
   warning(const std::string &message)
   {
     write(spdlog::level::warn, message);
   }
-
 
 
   void

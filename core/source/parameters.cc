@@ -17,7 +17,6 @@ namespace feib
     }
 
 
-
     const Json &
     member(const Parameters::Node &node, const std::string &key)
     {
@@ -28,7 +27,6 @@ namespace feib
     }
 
 
-
     double
     to_number(const Parameters::Node &node, const std::string &key, const Json &value)
     {
@@ -36,7 +34,6 @@ namespace feib
         misuse(node, key, "is not a number");
       return value.get<double>();
     }
-
 
 
     int
@@ -51,7 +48,6 @@ namespace feib
     }
 
 
-
     const Json &
     array(const Parameters::Node &node, const std::string &key)
     {
@@ -63,11 +59,9 @@ namespace feib
   } // namespace
 
 
-
   Parameters::Parameters(std::shared_ptr<const Node> node)
     : node(std::move(node))
   {}
-
 
 
   double
@@ -77,13 +71,11 @@ namespace feib
   }
 
 
-
   int
   Parameters::integer(const std::string &key) const
   {
     return to_integer(*node, key, member(*node, key));
   }
-
 
 
   bool
@@ -96,7 +88,6 @@ namespace feib
   }
 
 
-
   std::string
   Parameters::string(const std::string &key) const
   {
@@ -105,7 +96,6 @@ namespace feib
       misuse(*node, key, "is not a string");
     return value.get<std::string>();
   }
-
 
 
   std::vector<double>
@@ -118,7 +108,6 @@ namespace feib
   }
 
 
-
   std::vector<int>
   Parameters::integers(const std::string &key) const
   {
@@ -129,7 +118,6 @@ namespace feib
   }
 
 
-
   std::vector<std::string>
   Parameters::expressions(const std::string &key) const
   {
@@ -138,7 +126,7 @@ namespace feib
         misuse(*node, key, "is not an expression");
       return value.is_string() ? value.get<std::string>() : value.dump();
     };
-    const Json              &value = member(*node, key);
+    const Json &value = member(*node, key);
     std::vector<std::string> result;
     if (value.is_array())
       for (const Json &entry : value)
@@ -149,13 +137,11 @@ namespace feib
   }
 
 
-
   bool
   Parameters::has(const std::string &key) const
   {
     return node->value->contains(Json::json_pointer("/" + key));
   }
-
 
 
   Parameters
@@ -169,24 +155,22 @@ namespace feib
   }
 
 
-
   std::vector<Parameters>
   Parameters::children(const std::string &key) const
   {
-    const Json             &values = array(*node, key);
+    const Json &values = array(*node, key);
     std::vector<Parameters> result;
     for (std::size_t i = 0; i < values.size(); ++i)
       {
         if (!values[i].is_object())
           misuse(*node, key, "holds something that is not an object");
-        result.emplace_back(
-          std::make_shared<Node>(Node{node->document,
-                                      &values[i],
-                                      node->pointer + pointer_part(key) + "/" + std::to_string(i)}));
+        result.emplace_back(std::make_shared<Node>(
+          Node{node->document,
+               &values[i],
+               node->pointer + pointer_part(key) + "/" + std::to_string(i)}));
       }
     return result;
   }
-
 
 
   std::pair<std::string, Parameters>
@@ -199,13 +183,11 @@ namespace feib
   }
 
 
-
   const std::string &
   Parameters::pointer() const
   {
     return node->pointer;
   }
-
 
 
   const std::map<std::string, double> &
@@ -215,7 +197,6 @@ namespace feib
   }
 
 
-
   const std::string &
   Parameters::directory() const
   {
@@ -223,13 +204,11 @@ namespace feib
   }
 
 
-
   void
   Parameters::fail(const std::string &key, const std::string &message) const
   {
     throw Error(key.empty() ? node->pointer : node->pointer + "/" + key, message);
   }
-
 
 
   const Registry &

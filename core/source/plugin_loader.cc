@@ -49,15 +49,14 @@ namespace feib
     }
 
 
-
     /// The loader's own words, without the path it repeats.
     std::string
     loader_message(const std::string &text, const std::string &file)
     {
       const std::size_t place = text.find(file + ": ");
-      std::string       message =
+      std::string message =
         place == std::string::npos ? text : text.substr(place + file.size() + 2);
-      const std::size_t end = message.rfind(": Bad file descriptor");
+      const std::size_t end = message.rfind("): Bad file descriptor");
       if (end != std::string::npos)
         message.erase(end);
       return message;
@@ -65,22 +64,20 @@ namespace feib
   } // namespace
 
 
-
   PluginLoader::PluginLoader(Registry &registry)
     : registry(registry)
   {}
 
 
-
   void
   PluginLoader::load_directory(const std::string &directory)
   {
-    std::error_code                     problem;
+    std::error_code problem;
     std::filesystem::directory_iterator files(directory, problem);
     if (problem)
       throw Error("the plugin folder " + directory + " cannot be read: " + problem.message());
     std::vector<std::string> names;
-    const std::string        ending = ".feib.so";
+    const std::string ending = ".feib.so";
     for (const auto &file : files)
       {
         const std::string name = file.path().filename().string();
@@ -92,7 +89,6 @@ namespace feib
     for (const std::string &name : names)
       load(name);
   }
-
 
 
   const PluginLoader::Result &
@@ -108,7 +104,8 @@ namespace feib
     try
       {
         libraries->emplace_back(std::filesystem::absolute(file),
-                                boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
+                                boost::dll::load_mode::rtld_now |
+                                  boost::dll::load_mode::rtld_local);
         if (!libraries->back().has("feib_plugin"))
           {
             result.reason = "has no symbol feib_plugin: it is not a Feib plugin";
@@ -149,7 +146,6 @@ namespace feib
   }
 
 
-
   const std::vector<PluginLoader::Result> &
   PluginLoader::results() const
   {
@@ -157,12 +153,11 @@ namespace feib
   }
 
 
-
   std::vector<std::string>
   PluginLoader::search_path(const std::vector<std::string> &from_command_line)
   {
     std::vector<std::string> path;
-    const auto               add = [&](const std::string &directory) {
+    const auto add = [&](const std::string &directory) {
       std::error_code ignored;
       if (std::none_of(path.begin(), path.end(), [&](const std::string &known) {
             return known == directory || std::filesystem::equivalent(known, directory, ignored);
@@ -181,7 +176,7 @@ namespace feib
     // Beside the core's library: lib/feib/plugins when installed, plugins in a build tree.
     const std::filesystem::path library = boost::dll::this_line_location().parent_path();
     const std::filesystem::path built   = FEIB_BUILD_PLUGINS;
-    std::error_code             ignored;
+    std::error_code ignored;
     if (std::filesystem::is_directory(library / "feib" / "plugins"))
       add(library / "feib" / "plugins");
     else if (std::filesystem::is_directory(built) &&

@@ -12,12 +12,12 @@ namespace feib
   {
     struct Component
     {
-      Entry                          entry;
+      Entry entry;
       std::map<std::string, Factory> factories;
     };
 
     std::map<std::pair<std::string, std::string>, Component> components;
-    std::string                                              plugin, origin; // of the transaction
+    std::string plugin, origin; // of the transaction
 
     std::vector<std::string>
     names(const std::string &kind) const
@@ -42,30 +42,24 @@ namespace feib
   };
 
 
-
   Registry::Registry()
     : implementation(std::make_unique<Implementation>())
   {}
 
 
-
   Registry::~Registry() = default;
-
 
 
   Registry::Registry(Registry &&) = default;
 
 
-
-  Registry &
-  Registry::operator=(Registry &&) = default;
-
+  Registry &Registry::operator=(Registry &&) = default;
 
 
   void
-  Registry::add(const std::string                           &kind,
-                const std::string                           &name,
-                const std::string                           &schema,
+  Registry::add(const std::string &kind,
+                const std::string &name,
+                const std::string &schema,
                 std::vector<std::pair<std::string, Factory>> factories)
   {
     if (name.empty() || !std::all_of(name.begin(), name.end(), [](const unsigned char c) {
@@ -93,15 +87,14 @@ namespace feib
   }
 
 
-
   void *
   Registry::create(const std::string &kind,
                    const std::string &signature,
                    const std::string &name,
-                   const Parameters  &parameters) const
+                   const Parameters &parameters) const
   {
     const auto &component = implementation->find(kind, name, parameters.pointer());
-    const auto  factory   = component.factories.find(signature);
+    const auto factory    = component.factories.find(signature);
     if (factory == component.factories.end())
       throw Error(parameters.pointer(),
                   "the " + kind + " \"" + name + "\" is not offered for " + signature);
@@ -109,13 +102,12 @@ namespace feib
   }
 
 
-
   Parameters
   Registry::parse(const std::string &kind, const std::string &name, const std::string &json) const
   {
     const Schema schema = Schema::expand(implementation->find(kind, name, "").entry.schema, this);
-    std::string  filled = json;
-    Issues       issues = schema.explain(filled);
+    std::string filled  = json;
+    Issues issues       = schema.explain(filled);
     if (issues.empty())
       {
         filled = schema.with_defaults(filled);
@@ -130,13 +122,12 @@ namespace feib
   }
 
 
-
   Registry::Entry
   Registry::find(const std::string &name) const
   {
-    std::vector<Entry>       found;
+    std::vector<Entry> found;
     std::vector<std::string> names;
-    std::string              all;
+    std::string all;
     for (const Entry &entry : entries())
       {
         const std::string full = entry.kind + "/" + entry.name;
@@ -150,11 +141,11 @@ namespace feib
     if (names.empty())
       throw Error("there is no component \"" + name + "\": no plugin provides any");
     const std::string guess = nearest(name, names);
-    throw Error((found.empty() ? "there is no component \"" : "there are several components \"") + name +
-                "\"" + (guess.empty() || !found.empty() ? "" : "; did you mean \"" + guess + "\"?") +
+    throw Error((found.empty() ? "there is no component \"" : "there are several components \"") +
+                name + "\"" +
+                (guess.empty() || !found.empty() ? "" : "; did you mean \"" + guess + "\"?") +
                 "; the components are" + all);
   }
-
 
 
   std::vector<Registry::Entry>
@@ -167,10 +158,9 @@ namespace feib
   }
 
 
-
   void
-  Registry::transaction(const std::string                     &plugin,
-                        const std::string                     &origin,
+  Registry::transaction(const std::string &plugin,
+                        const std::string &origin,
                         const std::function<void(Registry &)> &fill)
   {
     const auto before      = std::make_unique<Implementation>(*implementation);

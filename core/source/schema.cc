@@ -32,7 +32,6 @@ namespace feib
     }
 
 
-
     std::string
     shown(const Json &value)
     {
@@ -47,16 +46,14 @@ namespace feib
     }
 
 
-
     std::string
     shown_with_type(const Json &value)
     {
-      return (value.is_string() ? "the string " :
-              value.is_number() ? "the number " :
-                                  "") +
+      return (value.is_string()   ? "the string "
+              : value.is_number() ? "the number "
+                                  : "") +
              shown(value);
     }
-
 
 
     std::string
@@ -69,7 +66,6 @@ namespace feib
     }
 
 
-
     std::vector<std::string>
     keys(const Json &object)
     {
@@ -80,7 +76,6 @@ namespace feib
     }
 
 
-
     /// Equality whatever the order of keys.
     bool
     same(const Json &a, const Json &b)
@@ -89,18 +84,16 @@ namespace feib
     }
 
 
-
     bool
     is_type(const Json &value, const std::string &type)
     {
-      return type == "object"  ? value.is_object() :
-             type == "array"   ? value.is_array() :
-             type == "string"  ? value.is_string() :
-             type == "number"  ? value.is_number() :
-             type == "integer" ? value.is_number_integer() :
-                                 value.is_boolean();
+      return type == "object"    ? value.is_object()
+             : type == "array"   ? value.is_array()
+             : type == "string"  ? value.is_string()
+             : type == "number"  ? value.is_number()
+             : type == "integer" ? value.is_number_integer()
+                                 : value.is_boolean();
     }
-
 
 
     /// The names of the keyword "type", one or several.
@@ -116,7 +109,6 @@ namespace feib
     }
 
 
-
     /// Walks a document along a schema.
     class Walk
     {
@@ -126,13 +118,15 @@ namespace feib
       {}
 
       void
-      explain(const Json        &value,
-              const Json        &reference,
+      explain(const Json &value,
+              const Json &reference,
               const std::string &pointer,
-              Issues            &issues) const
+              Issues &issues) const
       {
         const Json &schema = resolve(reference);
-        const auto  wrong  = [&](const std::string &message) { issues.push_back({pointer, message}); };
+        const auto wrong   = [&](const std::string &message) {
+          issues.push_back({pointer, message});
+        };
 
         if (const auto allowed = types(schema);
             !allowed.empty() && std::none_of(allowed.begin(), allowed.end(), [&](const auto &type) {
@@ -204,9 +198,9 @@ namespace feib
       const Json &
       resolve(const Json &schema) const
       {
-        return schema.contains("$ref") ?
-                 resolve(root.at(Json::json_pointer(schema["$ref"].get<std::string>().substr(1)))) :
-                 schema;
+        return schema.contains("$ref")
+                 ? resolve(root.at(Json::json_pointer(schema["$ref"].get<std::string>().substr(1))))
+                 : schema;
       }
 
     private:
@@ -230,23 +224,23 @@ namespace feib
       available(const Json &schema)
       {
         const auto names = keys(member(schema, "properties"));
-        return names.empty() ? "no plugin provides any " + slot(schema) :
-                               "available are " + quoted_list(names);
+        return names.empty() ? "no plugin provides any " + slot(schema)
+                             : "available are " + quoted_list(names);
       }
 
       static std::string
       with_article(const std::string &type)
       {
-        return type == "boolean" ? "true or false" :
-               type == "object" || type == "array" || type == "integer" ? "an " + type :
-                                                                           "a " + type;
+        return type == "boolean"                                          ? "true or false"
+               : type == "object" || type == "array" || type == "integer" ? "an " + type
+                                                                          : "a " + type;
       }
 
       static std::string
-      unknown(const std::string              &what,
-              const std::string              &name,
+      unknown(const std::string &what,
+              const std::string &name,
               const std::vector<std::string> &known,
-              const std::string              &otherwise)
+              const std::string &otherwise)
       {
         const std::string guess = nearest(name, known);
         return what + " \"" + name + "\"; " +
@@ -254,18 +248,19 @@ namespace feib
       }
 
       static void
-      explain_number(const Json        &value,
-                     const Json        &schema,
+      explain_number(const Json &value,
+                     const Json &schema,
                      const std::string &pointer,
-                     Issues            &issues)
+                     Issues &issues)
       {
-        const double x     = value.get<double>();
-        const auto   check = [&](const char *const keyword, const char *const words, const auto &holds) {
-          if (schema.contains(keyword) && !holds(x, schema[keyword].template get<double>()))
-            issues.push_back(
-              {pointer,
-                 std::string("must be ") + words + " " + schema[keyword].dump() + ", found " + value.dump()});
-        };
+        const double x = value.get<double>();
+        const auto check =
+          [&](const char *const keyword, const char *const words, const auto &holds) {
+            if (schema.contains(keyword) && !holds(x, schema[keyword].template get<double>()))
+              issues.push_back({pointer,
+                                std::string("must be ") + words + " " + schema[keyword].dump() +
+                                  ", found " + value.dump()});
+          };
         check("minimum", "at least", std::greater_equal<double>());
         check("maximum", "at most", std::less_equal<double>());
         check("exclusiveMinimum", "greater than", std::greater<double>());
@@ -274,10 +269,10 @@ namespace feib
 
       /// The number of things a value must have, when it has another.
       static std::string
-      count(const std::size_t  n,
-            const Json        &schema,
-            const char *const  minimum,
-            const char *const  maximum,
+      count(const std::size_t n,
+            const Json &schema,
+            const char *const minimum,
+            const char *const maximum,
             const std::string &thing,
             const std::string &things)
       {
@@ -287,18 +282,18 @@ namespace feib
           return "";
         const std::size_t bound = n < least ? least : most;
         return "must have " +
-               std::string(least == most ? "exactly " :
-                           n < least     ? "at least " :
-                                           "at most ") +
+               std::string(least == most ? "exactly "
+                           : n < least   ? "at least "
+                                         : "at most ") +
                std::to_string(bound) + " " + (bound == 1 ? thing : things) + ", found " +
                std::to_string(n);
       }
 
       void
-      explain_array(const Json        &value,
-                    const Json        &schema,
+      explain_array(const Json &value,
+                    const Json &schema,
                     const std::string &pointer,
-                    Issues            &issues) const
+                    Issues &issues) const
       {
         if (const std::string problem =
               count(value.size(), schema, "minItems", "maxItems", "entry", "entries");
@@ -310,14 +305,14 @@ namespace feib
       }
 
       void
-      explain_object(const Json        &value,
-                     const Json        &schema,
+      explain_object(const Json &value,
+                     const Json &schema,
                      const std::string &pointer,
-                     Issues            &issues) const
+                     Issues &issues) const
       {
         const Json &properties = member(schema, "properties");
-        const auto  known      = keys(properties);
-        const bool  is_slot    = schema.contains("slot");
+        const auto known       = keys(properties);
+        const bool is_slot     = schema.contains("slot");
 
         if (const std::string problem =
               count(value.size(), schema, "minProperties", "maxProperties", "key", "keys");
@@ -341,7 +336,7 @@ namespace feib
         for (const auto &[key, entry] : value.items())
           {
             const std::string place = pointer + pointer_part(key);
-            const Json       &rest  = member(schema, "additionalProperties");
+            const Json &rest        = member(schema, "additionalProperties");
             if (properties.contains(key))
               explain(entry, properties[key], place, issues);
             else if (rest.is_object())
@@ -355,12 +350,11 @@ namespace feib
                                 unknown("unknown key",
                                         key,
                                         known,
-                                        known.empty() ? "nothing is allowed here" :
-                                                        "allowed are " + quoted_list(known))});
+                                        known.empty() ? "nothing is allowed here"
+                                                      : "allowed are " + quoted_list(known))});
           }
       }
     };
-
 
 
     /// Replaces the slots and fragments of a schema.
@@ -386,9 +380,9 @@ namespace feib
       Json document;
 
     private:
-      Json                         fragments, definitions;
+      Json fragments, definitions;
       std::vector<Registry::Entry> entries;
-      bool                         any_name;
+      bool any_name;
 
       void
       expand(Json &schema)
@@ -404,7 +398,8 @@ namespace feib
                 expand(property);
             if (schema.contains("items"))
               expand(schema["items"]);
-            if (schema.contains("additionalProperties") && schema["additionalProperties"].is_object())
+            if (schema.contains("additionalProperties") &&
+                schema["additionalProperties"].is_object())
               expand(schema["additionalProperties"]);
           }
       }
@@ -427,7 +422,7 @@ namespace feib
         for (const Registry::Entry &entry : entries)
           if (entry.kind == kind)
             {
-              const std::string key              = kind + "." + entry.name;
+              const std::string key            = kind + "." + entry.name;
               schema["properties"][entry.name] = {{"$ref", "#/definitions/" + key}};
               if (!definitions.contains(key))
                 {
@@ -441,13 +436,12 @@ namespace feib
     };
 
 
-
     /// What component.schema.json cannot say, for a schema without slots.
     void
-    check_component(const Json        &root,
-                    const Json        &schema,
+    check_component(const Json &root,
+                    const Json &schema,
                     const std::string &pointer,
-                    Issues            &issues)
+                    Issues &issues)
     {
       const Walk walk(root);
       const auto check = [&](const Json &value, const std::string &place) {
@@ -462,16 +456,17 @@ namespace feib
       const auto required = schema.value("required", std::vector<std::string>());
       for (const std::string &name : required)
         if (!schema.contains("properties") || !schema["properties"].contains(name))
-          issues.push_back({pointer + "/required", "names \"" + name + "\", which is not a property"});
+          issues.push_back(
+            {pointer + "/required", "names \"" + name + "\", which is not a property"});
       const bool choice = schema.value("maxProperties", 0) == 1;
       if (schema.contains("properties"))
         for (const auto &[name, property] : schema["properties"].items())
           {
             const std::string place = pointer + "/properties" + pointer_part(name);
-            if (!choice &&
-                std::find(required.begin(), required.end(), name) == required.end() &&
+            if (!choice && std::find(required.begin(), required.end(), name) == required.end() &&
                 !property.contains("default") &&
-                property["description"].get<std::string>().find("when not given") == std::string::npos)
+                property["description"].get<std::string>().find("when not given") ==
+                  std::string::npos)
               issues.push_back({place,
                                 "must be required, have a default, or say in its description what "
                                 "holds \"when not given\""});
@@ -488,7 +483,6 @@ namespace feib
     }
 
 
-
     /// Type and range of a value in a few words.
     std::string
     summary(const Json &schema)
@@ -502,19 +496,19 @@ namespace feib
       std::string text;
       for (const std::string &type : types(schema))
         text += (text.empty() ? "" : " or ") + type;
-      if (schema.contains("items") && !types(schema["items"]).empty())
-        text += " of " + summary(schema["items"]);
-      for (const auto &[keyword, words] : {std::pair<const char *, const char *>{"minimum", " >= "},
-                                           {"exclusiveMinimum", " > "},
-                                           {"maximum", " <= "},
-                                           {"exclusiveMaximum", " < "},
-                                           {"minItems", ", entries >= "},
-                                           {"maxItems", ", entries <= "}})
+      std::string bounds;
+      for (const auto &[keyword, words] : {std::pair<const char *, const char *>{"minimum", ">= "},
+                                           {"exclusiveMinimum", "> "},
+                                           {"maximum", "<= "},
+                                           {"exclusiveMaximum", "< "},
+                                           {"minItems", "at least "},
+                                           {"maxItems", "at most "}})
         if (schema.contains(keyword))
-          text += words + schema[keyword].dump();
-      return text;
+          bounds += (bounds.empty() ? " " : " and ") + (words + schema[keyword].dump());
+      if (schema.contains("items") && !types(schema["items"]).empty())
+        return text + " of" + bounds + " " + summary(schema["items"]);
+      return text + bounds;
     }
-
 
 
     void
@@ -525,10 +519,10 @@ namespace feib
         for (const auto &[name, property] : schema["properties"].items())
           {
             text += indent + name + " (" + summary(property) +
-                    (property.contains("default") ? ", default " + property["default"].dump() :
-                     std::find(required.begin(), required.end(), name) != required.end() ?
-                                                    ", required" :
-                                                    ", optional") +
+                    (property.contains("default") ? ", default " + property["default"].dump()
+                     : std::find(required.begin(), required.end(), name) != required.end()
+                       ? ", required"
+                       : ", optional") +
                     ")\n" + indent + "    " + property.value("description", "") + "\n";
             describe_properties(property, indent + "    ", text);
           }
@@ -543,7 +537,6 @@ namespace feib
         }
     }
   } // namespace
-
 
 
   struct Schema::Implementation
@@ -573,11 +566,9 @@ namespace feib
   };
 
 
-
   Schema::Schema(const std::string &text)
     : implementation(std::make_unique<Implementation>(parse(text)))
   {}
-
 
 
   Schema::Schema(std::unique_ptr<Implementation> implementation)
@@ -585,13 +576,10 @@ namespace feib
   {}
 
 
-
   Schema::Schema(Schema &&) = default;
 
 
-
   Schema::~Schema() = default;
-
 
 
   Schema
@@ -601,17 +589,15 @@ namespace feib
   }
 
 
-
   Schema
   Schema::compose(const Registry &registry)
   {
-    Schema schema                          = expand(case_schema, &registry);
-    Json   document                        = {{"$schema", "http://json-schema.org/draft-07/schema#"}};
+    Schema schema = expand(case_schema, &registry);
+    Json document = {{"$schema", "http://json-schema.org/draft-07/schema#"}};
     document.update(schema.implementation->document);
     schema.implementation->document = std::move(document);
     return schema;
   }
-
 
 
   const Schema &
@@ -620,7 +606,6 @@ namespace feib
     static const Schema rules(component_schema);
     return rules;
   }
-
 
 
   Issues
@@ -632,7 +617,7 @@ namespace feib
         if (issues.empty())
           {
             const Schema expanded = expand(schema, nullptr);
-            const Json  &document = expanded.implementation->document;
+            const Json &document  = expanded.implementation->document;
             check_component(document, document, "", issues);
           }
         return issues;
@@ -644,27 +629,24 @@ namespace feib
   }
 
 
-
   bool
   Schema::accepts(const std::string &document) const
   {
-    const nlohmann::json                      json(parse(document));
+    const nlohmann::json json(parse(document));
     const valijson::adapters::NlohmannJsonAdapter target(json);
-    valijson::Validator                       validator;
+    valijson::Validator validator;
     return validator.validate(implementation->judge(), target, nullptr);
   }
-
 
 
   Issues
   Schema::explain(const std::string &document) const
   {
-    Issues      issues;
+    Issues issues;
     const Json &schema = implementation->document;
     Walk(schema).explain(parse(document), schema, "", issues);
     return issues;
   }
-
 
 
   std::string
@@ -676,13 +658,11 @@ namespace feib
   }
 
 
-
   std::string
   Schema::text() const
   {
     return implementation->document.dump(2);
   }
-
 
 
   std::string
@@ -696,7 +676,6 @@ namespace feib
         text += "Example: " + example.dump() + "\n";
     return text;
   }
-
 
 
   std::vector<std::string>

@@ -13,7 +13,6 @@ namespace feib
   }
 
 
-
   Timers::Section::~Section()
   {
     const double elapsed =

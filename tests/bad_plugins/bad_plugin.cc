@@ -16,8 +16,8 @@ FEIB_PLUGIN("a_good", "1.0", registry)
 
 #elif defined(FEIB_TEST_older_abi)
 
-#  undef FEIB_ABI
-#  define FEIB_ABI 0
+#undef FEIB_ABI
+#define FEIB_ABI 0
 FEIB_PLUGIN("older_abi", "1.0", registry)
 {
   registry.add<ConstitutiveLaw, Spring>("older_abi_law", spring_schema);
@@ -25,12 +25,12 @@ FEIB_PLUGIN("older_abi", "1.0", registry)
 
 #elif defined(FEIB_TEST_other_build)
 
-#  undef FEIB_BUILD_TYPE
-#  ifdef DEBUG
-#    define FEIB_BUILD_TYPE "release"
-#  else
-#    define FEIB_BUILD_TYPE "debug"
-#  endif
+#undef FEIB_BUILD_TYPE
+#ifdef DEBUG
+#define FEIB_BUILD_TYPE "release"
+#else
+#define FEIB_BUILD_TYPE "debug"
+#endif
 FEIB_PLUGIN("other_build", "1.0", registry)
 {
   registry.add<ConstitutiveLaw, Spring>("other_build_law", spring_schema);
@@ -38,8 +38,7 @@ FEIB_PLUGIN("other_build", "1.0", registry)
 
 #elif defined(FEIB_TEST_missing_symbol)
 
-void
-a_function_nobody_wrote();
+void a_function_nobody_wrote();
 
 FEIB_PLUGIN("missing_symbol", "1.0", registry)
 {

@@ -54,7 +54,8 @@ TEST(BadPlugins, OtherBuildType)
 
 TEST(BadPlugins, MissingSymbol)
 {
-  EXPECT_EQ(bad("missing_symbol"), "cannot be loaded: undefined symbol: _Z23a_function_nobody_wrotev");
+  EXPECT_EQ(bad("missing_symbol"),
+            "cannot be loaded: undefined symbol: _Z23a_function_nobody_wrotev");
 }
 
 TEST(BadPlugins, NotAPlugin)
@@ -71,9 +72,10 @@ TEST(BadPlugins, DuplicateComponent)
 
 TEST(BadPlugins, SchemaThatBreaksTheRules)
 {
-  EXPECT_EQ(bad("bad_schema"),
-            "the schema of the constitutive_law \"worse_schema_law\" breaks the rules at /properties/c: "
-            "must be required, have a default, or say in its description what holds \"when not given\"");
+  EXPECT_EQ(
+    bad("bad_schema"),
+    "the schema of the constitutive_law \"worse_schema_law\" breaks the rules at /properties/c: "
+    "must be required, have a default, or say in its description what holds \"when not given\"");
 }
 
 TEST(BadPlugins, Throwing)
@@ -84,7 +86,8 @@ TEST(BadPlugins, Throwing)
 TEST(BadPlugins, NotALibrary)
 {
   const TemporaryFolder folder;
-  folder.write("text.feib.so", "This is not a library, but longer than the header of one would be.\n");
+  folder.write("text.feib.so",
+               "This is not a library, but longer than the header of one would be.\n");
   folder.write("empty.feib.so", "");
   const std::string output = listed(folder.path.string());
   EXPECT_EQ(reason(output, folder.path.string(), "text"), "is not a shared library");
@@ -93,12 +96,14 @@ TEST(BadPlugins, NotALibrary)
 
 TEST(BadPlugins, Truncated)
 {
-  const std::string     whole = read_file(FEIB_BAD_PLUGINS "/a_good.feib.so");
+  const std::string whole = read_file(FEIB_BAD_PLUGINS "/a_good.feib.so");
   const TemporaryFolder folder;
-  for (const std::size_t size : {std::size_t(100), whole.size() / 4, whole.size() / 2, whole.size() - 1})
+  for (const std::size_t size :
+       {std::size_t(100), whole.size() / 4, whole.size() / 2, whole.size() - 1})
     folder.write("head_" + std::to_string(size) + ".feib.so", whole.substr(0, size));
   const std::string output = listed(folder.path.string());
-  for (const std::size_t size : {std::size_t(100), whole.size() / 4, whole.size() / 2, whole.size() - 1})
+  for (const std::size_t size :
+       {std::size_t(100), whole.size() / 4, whole.size() / 2, whole.size() - 1})
     EXPECT_EQ(reason(output, folder.path.string(), "head_" + std::to_string(size)), "is truncated")
       << output;
 }
@@ -106,13 +111,13 @@ TEST(BadPlugins, Truncated)
 TEST(BadPlugins, GoodOnesBesideThemBuildACase)
 {
   const TemporaryFolder folder;
-  const std::string     file = folder.write("case.json", R"({
+  const std::string file = folder.write("case.json", R"({
     "dimension": 2,
     "domain": { "cells": [2, 2] },
     "fluid": { "navier_stokes": { "density": 1, "viscosity": 1 } },
     "time": { "step": 0.1, "end": 0.1 } })");
-  const RunResult result =
-    run_host("--validate --plugin-path " + shell_quoted(FEIB_BAD_PLUGINS) + " " + shell_quoted(file));
+  const RunResult result = run_host("--validate --plugin-path " + shell_quoted(FEIB_BAD_PLUGINS) +
+                                    " " + shell_quoted(file));
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.output, file + " is valid\n");
 }

@@ -37,7 +37,7 @@ namespace
   std::string
   replaced(const std::string &what, const std::string &with)
   {
-    std::string       text  = small_case;
+    std::string text        = small_case;
     const std::size_t place = text.find(what);
     if (place == std::string::npos)
       throw std::logic_error("the case does not hold " + what);
@@ -47,7 +47,7 @@ namespace
 
 TEST(Case, KnowsItsParametersAndItsResolvedText)
 {
-  const Case        description(small_case, "folder/case.json", registry());
+  const Case description(small_case, "folder/case.json", registry());
   const Parameters &p = description.parameters();
   EXPECT_EQ(p.integer("dimension"), 2);
   EXPECT_EQ(p.pointer(), "");
@@ -65,17 +65,20 @@ TEST(Case, KnowsItsParametersAndItsResolvedText)
 
 TEST(Case, AllowsComments)
 {
-  EXPECT_EQ(problems(replaced("\"dimension\": 2,", "// a \"comment\" {\n /* and [ one */ \"dimension\": /* 3 */ 2,")),
+  EXPECT_EQ(problems(replaced("\"dimension\": 2,",
+                              "// a \"comment\" {\n /* and [ one */ \"dimension\": /* 3 */ 2,")),
             "");
 }
 
 TEST(Case, PlacesOfIssues)
 {
-  EXPECT_EQ(problems(replaced("1.0 } }", "-1 } }")),
-            "folder/case.json:4:39: error: /fluid/stokes/viscosity: must be greater than 0, found -1\n");
+  EXPECT_EQ(
+    problems(replaced("1.0 } }", "-1 } }")),
+    "folder/case.json:4:39: error: /fluid/stokes/viscosity: must be greater than 0, found -1\n");
   // Comments, escapes and letters of several bytes do not move the place.
-  EXPECT_EQ(problems(replaced("\"dimension\": 2",
-                              "// { \" \n\"title\": \"\\\"\xC3\xA4}\", /* } \n */ \"dimension\": 5")),
+  EXPECT_EQ(problems(
+              replaced("\"dimension\": 2",
+                       "// { \" \n\"title\": \"\\\"\xC3\xA4}\", /* } \n */ \"dimension\": 5")),
             "folder/case.json:4:18: error: /dimension: must be one of 2, 3, found 5\n");
   EXPECT_EQ(problems(replaced("[4, 4]", "[4, 4, \n 0]")),
             "folder/case.json:4:2: error: /domain/cells/2: must be at least 1, found 0\n");
@@ -84,7 +87,8 @@ TEST(Case, PlacesOfIssues)
             "folder/case.json:5:11: error: /time: the required key \"step\" is missing\n");
   EXPECT_EQ(problems("{}").substr(0, 31), "folder/case.json:1:1: error: th");
   EXPECT_EQ(problems(replaced("\"step\"", "\"a/b~c\": 1, \"step\"")),
-            "folder/case.json:5:22: error: /time/a~1b~0c: unknown key \"a/b~c\"; allowed are \"step\", \"end\", "
+            "folder/case.json:5:22: error: /time/a~1b~0c: unknown key \"a/b~c\"; allowed are "
+            "\"step\", \"end\", "
             "\"integrator\"\n");
 }
 
@@ -101,13 +105,15 @@ TEST(Case, SyntaxErrors)
 
 TEST(Case, RefusesDuplicateKeys)
 {
-  EXPECT_EQ(problems(replaced("\"step\": 0.1,", "\"step\": 0.1, \"st\\u0065p\": 0.2,")),
-            "folder/case.json:5:26: error: /time/step: the key \"step\" stands here a second time\n");
+  EXPECT_EQ(
+    problems(replaced("\"step\": 0.1,", "\"step\": 0.1, \"st\\u0065p\": 0.2,")),
+    "folder/case.json:5:26: error: /time/step: the key \"step\" stands here a second time\n");
 }
 
 TEST(Case, ReportsEverythingAtOnce)
 {
-  const std::string text  = problems(replaced("\"step\": 0.1, \"end\": 1.0", "\"step\": \"a\", \"edn\": 1.0"));
+  const std::string text =
+    problems(replaced("\"step\": 0.1, \"end\": 1.0", "\"step\": \"a\", \"edn\": 1.0"));
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
 }
 
@@ -131,10 +137,12 @@ TEST(Case, Settings)
   EXPECT_EQ(problems(small_case, {{"/fluid", R"({"stokes": {"viscosity": 0}})"}}),
             "--set /fluid: error: /fluid/stokes/viscosity: must be greater than 0, found 0\n");
   EXPECT_EQ(problems(small_case, {{"time/end", "1"}}).substr(0, 23), "--set time/end: error: ");
-  EXPECT_EQ(problems(small_case, {{"/tme/end", "1"}}),
-            "--set /tme/end: error: /tme/end: the case has no /tme; set that, with all it holds as JSON\n");
-  EXPECT_EQ(problems(small_case, {{"/domain/cells/2", "1"}}),
-            "--set /domain/cells/2: error: /domain/cells/2: /domain/cells has 2 entries, no \"2\"\n");
+  EXPECT_EQ(
+    problems(small_case, {{"/tme/end", "1"}}),
+    "--set /tme/end: error: /tme/end: the case has no /tme; set that, with all it holds as JSON\n");
+  EXPECT_EQ(
+    problems(small_case, {{"/domain/cells/2", "1"}}),
+    "--set /domain/cells/2: error: /domain/cells/2: /domain/cells has 2 entries, no \"2\"\n");
   EXPECT_NE(problems(small_case, {{"/dimension/x", "1"}}), "");
   EXPECT_NE(problems(small_case, {{"/title", "\xFF"}}), "");
 }
@@ -169,7 +177,8 @@ TEST(Case, Constants)
   for (const std::string name : {"x", "t", "s1", "sin", "if", "pi", "1a", "a b", ""})
     {
       const std::string text = problems(small_case, {{"/constants", Json{{name, 1}}.dump()}});
-      EXPECT_EQ(text.substr(0, 36 + name.size()), "--set /constants: error: /constants/" + name) << name;
+      EXPECT_EQ(text.substr(0, 36 + name.size()), "--set /constants: error: /constants/" + name)
+        << name;
     }
 }
 

@@ -40,7 +40,7 @@ namespace feib::testing
     void
     stress_derivative(const std::vector<Matrix> &,
                       const std::vector<Matrix> &dF,
-                      std::vector<Matrix>       &dP) const override
+                      std::vector<Matrix> &dP) const override
     {
       stress(dF, dP);
     }
@@ -48,7 +48,6 @@ namespace feib::testing
   private:
     const double c;
   };
-
 
 
   /// c times the law in its slot.
@@ -82,7 +81,7 @@ namespace feib::testing
     void
     stress_derivative(const std::vector<Matrix> &F,
                       const std::vector<Matrix> &dF,
-                      std::vector<Matrix>       &dP) const override
+                      std::vector<Matrix> &dP) const override
     {
       law->stress_derivative(F, dF, dP);
       for (Matrix &p : dP)
@@ -90,10 +89,9 @@ namespace feib::testing
     }
 
   private:
-    const double                                         factor;
+    const double factor;
     std::unique_ptr<ConstitutiveLaw<structure_dim, dim>> law;
   };
-
 
 
   /// A component of any kind that only keeps its parameters.
@@ -108,17 +106,17 @@ namespace feib::testing
     Parameters parameters;
   };
 
-#define FEIB_TEST_KIND(name)                                                                       \
-  template <int dim>                                                                               \
-  struct name##_interface : Interface<dim>                                                         \
-  {                                                                                                \
-    static constexpr const char *kind = #name;                                                     \
-    using Interface<dim>::Interface;                                                               \
-  };                                                                                               \
-  template <int dim>                                                                               \
-  struct name##_component : name##_interface<dim>                                                  \
-  {                                                                                                \
-    using name##_interface<dim>::name##_interface;                                                 \
+#define FEIB_TEST_KIND(name)                       \
+  template <int dim>                               \
+  struct name##_interface : Interface<dim>         \
+  {                                                \
+    static constexpr const char *kind = #name;     \
+    using Interface<dim>::Interface;               \
+  };                                               \
+  template <int dim>                               \
+  struct name##_component : name##_interface<dim>  \
+  {                                                \
+    using name##_interface<dim>::name##_interface; \
   };
 
   FEIB_TEST_KIND(fluid_solver)
@@ -205,9 +203,11 @@ namespace feib::testing
     registry.add<ConstitutiveLaw, Scaled>("scaled", scaled_schema);
     registry.add<fluid_solver_interface, fluid_solver_component>("stokes", stokes_schema);
     registry.add<structure_model_interface, structure_model_component>("body", body_schema);
-    registry.add<coupling_operator_interface, coupling_operator_component>("variational", empty_schema);
+    registry.add<coupling_operator_interface, coupling_operator_component>("variational",
+                                                                           empty_schema);
     registry.add<time_integrator_interface, time_integrator_component>("fe_be", empty_schema);
-    registry.add<refinement_strategy_interface, refinement_strategy_component>("uniform", empty_schema);
+    registry.add<refinement_strategy_interface, refinement_strategy_component>("uniform",
+                                                                               empty_schema);
     registry.add<output_writer_interface, output_writer_component>("vtu", empty_schema);
     registry.add<output_writer_interface, output_writer_component>("ledger_csv", empty_schema);
     return registry;

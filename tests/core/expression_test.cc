@@ -27,10 +27,10 @@ namespace
 
     template <int dim>
     double
-    value(const unsigned int         component,
-          const dealii::Point<dim>  &p,
-          const double               t         = 0,
-          const Variables            variables = Variables::space_time) const
+    value(const unsigned int component,
+          const dealii::Point<dim> &p,
+          const double t            = 0,
+          const Variables variables = Variables::space_time) const
     {
       const auto function =
         parse_expressions<dim>(block, "force", block.expressions("force").size(), variables);
@@ -55,8 +55,8 @@ namespace
       return "";
     }
 
-    const Registry   registry;
-    const Case       description;
+    const Registry registry;
+    const Case description;
     const Parameters block;
   };
 } // namespace
@@ -66,21 +66,25 @@ TEST(Expression, VariablesConstantsAndFunctions)
   const dealii::Point<2> p(0.3, 0.7);
   EXPECT_DOUBLE_EQ(Force(R"j(["x + 2*y - t", 4])j").value(0, p, 0.5), 0.3 + 1.4 - 0.5);
   EXPECT_DOUBLE_EQ(Force(R"j(["x", 4])j").value(1, p), 4);
-  EXPECT_DOUBLE_EQ(Force(R"j(["sin(pi*x)^2 + log(e)", 0])j").value(0, p), std::pow(std::sin(M_PI * .3), 2) + 1);
+  EXPECT_DOUBLE_EQ(Force(R"j(["sin(pi*x)^2 + log(e)", 0])j").value(0, p),
+                   std::pow(std::sin(M_PI * .3), 2) + 1);
   EXPECT_DOUBLE_EQ(Force(R"j(["mu*x", 0])j", R"j({"mu": 5})j").value(0, p), 1.5);
   EXPECT_DOUBLE_EQ(Force(R"j(["if(x < 0.5, 1, 2) + (y < 0.5 ? 10 : 20)", 0])j").value(0, p), 21);
-  EXPECT_DOUBLE_EQ(Force(R"j(["min(x, y) + max(x, y) + abs(-1) + sqrt(4) + exp(0) + x^2", 0])j").value(0, p),
-                   5.09);
-  EXPECT_DOUBLE_EQ(Force(R"j(["mod(-x, 1) + floor(1.5) + ceil(1.5) + pow(2, 3)", 0])j").value(0, p), 11.7);
+  EXPECT_DOUBLE_EQ(
+    Force(R"j(["min(x, y) + max(x, y) + abs(-1) + sqrt(4) + exp(0) + x^2", 0])j").value(0, p),
+    5.09);
+  EXPECT_DOUBLE_EQ(Force(R"j(["mod(-x, 1) + floor(1.5) + ceil(1.5) + pow(2, 3)", 0])j").value(0, p),
+                   11.7);
   EXPECT_DOUBLE_EQ(Force(R"j(["z", 0, 0])j").value(0, dealii::Point<3>(1, 2, 3)), 3);
   EXPECT_DOUBLE_EQ(Force(R"j(["s1 + 10*s2", 0])j").value(0, p, 0, Variables::reference), 7.3);
 }
 
 TEST(Expression, SaysWhatCannotBeRead)
 {
-  EXPECT_EQ(Force(R"j(["x", "2*foo + 1"])j", R"j({"mu": 1})j").problem(),
-            "/fluid/stokes/force/1: the expression \"2*foo + 1\" cannot be read: Unexpected token \"foo\" "
-            "found at position 2; variables and constants are x, y, t, e, mu, pi");
+  EXPECT_EQ(
+    Force(R"j(["x", "2*foo + 1"])j", R"j({"mu": 1})j").problem(),
+    "/fluid/stokes/force/1: the expression \"2*foo + 1\" cannot be read: Unexpected token \"foo\" "
+    "found at position 2; variables and constants are x, y, t, e, mu, pi");
   EXPECT_NE(Force(R"j(["x +", 0])j").problem().find("/fluid/stokes/force/0: "), std::string::npos);
   EXPECT_NE(Force(R"j(["", 0])j").problem(), "");
   EXPECT_NE(Force(R"j(["sin(x", 0])j").problem(), "");

@@ -34,7 +34,7 @@ TEST(Ledger, RefusesOtherColumns)
 
 TEST(Timers, NestedSectionsAreChargedOnce)
 {
-  Timers     timers;
+  Timers timers;
   const auto start = std::chrono::steady_clock::now();
   {
     Timers::Section outer(timers, "solve");

@@ -26,7 +26,7 @@ namespace
 TEST(Registry, BuildsAComponentFromItsBlock)
 {
   const Registry registry = small_registry();
-  const auto     law      = registry.create<ConstitutiveLaw<2, 3>>("spring", R"j({"c": 4})j");
+  const auto law          = registry.create<ConstitutiveLaw<2, 3>>("spring", R"j({"c": 4})j");
 
   using Matrix = ConstitutiveLaw<2, 3>::Matrix;
   Matrix F;
@@ -40,10 +40,11 @@ TEST(Registry, BuildsAComponentFromItsBlock)
 TEST(Registry, BuildsSlotsAndTheirDefaults)
 {
   const Registry registry = small_registry();
-  const auto     law =
-    registry.create<ConstitutiveLaw<1, 2>>("scaled", R"j({"factor": 2, "law": {"scaled": {"factor": 5}}})j");
-  std::vector<double>             W(1);
-  ConstitutiveLaw<1, 2>::Matrix   F;
+  const auto law =
+    registry.create<ConstitutiveLaw<1, 2>>("scaled",
+                                           R"j({"factor": 2, "law": {"scaled": {"factor": 5}}})j");
+  std::vector<double> W(1);
+  ConstitutiveLaw<1, 2>::Matrix F;
   F[0][0] = 1;
   law->energy({F}, W);
   EXPECT_DOUBLE_EQ(W[0], 2 * 5 * 3 / 2.); // the default law of the inner one is a spring with c = 3
@@ -68,11 +69,12 @@ TEST(Registry, SaysWhatIsWrongWithABlock)
 
 TEST(Registry, NamesWhatItHasInsteadOfAnUnknownComponent)
 {
-  const Registry    registry = small_registry();
+  const Registry registry = small_registry();
   const std::string message =
     message_of([&] { registry.create<ConstitutiveLaw<2, 2>>("sprung", "{}"); });
-  EXPECT_EQ(message,
-            "no plugin provides the constitutive_law \"sprung\"; available are \"scaled\", \"spring\"");
+  EXPECT_EQ(
+    message,
+    "no plugin provides the constitutive_law \"sprung\"; available are \"scaled\", \"spring\"");
 }
 
 TEST(Registry, RefusesASecondComponentOfTheSameName)
@@ -85,13 +87,14 @@ TEST(Registry, RefusesASecondComponentOfTheSameName)
 
 TEST(Registry, ATransactionAddsAllOrNothing)
 {
-  Registry          registry = small_registry();
-  const std::size_t before   = registry.entries().size();
+  Registry registry        = small_registry();
+  const std::size_t before = registry.entries().size();
   EXPECT_THROW(registry.transaction("twice",
                                     "twice.feib.so",
                                     [](Registry &registry) {
                                       registry.add<ConstitutiveLaw, Spring>("new", spring_schema);
-                                      registry.add<ConstitutiveLaw, Spring>("spring", spring_schema);
+                                      registry.add<ConstitutiveLaw, Spring>("spring",
+                                                                            spring_schema);
                                     }),
                Error);
   EXPECT_EQ(registry.entries().size(), before);
@@ -104,16 +107,18 @@ TEST(Registry, ATransactionAddsAllOrNothing)
   EXPECT_EQ(registry.entries()[0].plugin, "once");
   EXPECT_EQ(registry.entries()[0].origin, "once.feib.so");
   EXPECT_EQ(registry.entries()[1].origin, "");
-  EXPECT_NE(message_of([&] { registry.add<ConstitutiveLaw, Spring>("new", spring_schema); })
-              .find("from once.feib.so"),
+  EXPECT_NE(message_of([&] {
+              registry.add<ConstitutiveLaw, Spring>("new", spring_schema);
+            }).find("from once.feib.so"),
             std::string::npos);
 }
 
 TEST(Parameters, MisuseIsAProgrammersError)
 {
-  const Registry   registry = small_registry();
-  const auto       fluid =
-    registry.create<fluid_solver_interface<2>>("stokes", R"j({"viscosity": 2, "probes": [{"at": 1}]})j");
+  const Registry registry = small_registry();
+  const auto fluid =
+    registry.create<fluid_solver_interface<2>>("stokes",
+                                               R"j({"viscosity": 2, "probes": [{"at": 1}]})j");
   const Parameters &p = fluid->parameters;
 
   EXPECT_EQ(p.number("viscosity"), 2);
@@ -140,7 +145,7 @@ TEST(Parameters, MisuseIsAProgrammersError)
 TEST(Parameters, ExpressionsAreTexts)
 {
   const Registry registry = small_registry();
-  const auto     fluid    = registry.create<fluid_solver_interface<3>>(
+  const auto fluid        = registry.create<fluid_solver_interface<3>>(
     "stokes", R"j({"viscosity": 1, "force": [0.1, "sin(x)", 1e-20]})j");
   EXPECT_EQ(fluid->parameters.expressions("force"),
             (std::vector<std::string>{"0.1", "sin(x)", "1e-20"}));
@@ -150,7 +155,8 @@ TEST(Parameters, ExpressionsAreTexts)
 TEST(Parameters, AnIntegerTooLargeIsTheUsersError)
 {
   const Registry registry = small_registry();
-  const auto     fluid =
-    registry.create<fluid_solver_interface<2>>("stokes", R"j({"viscosity": 1, "sweeps": 3000000000})j");
+  const auto fluid =
+    registry.create<fluid_solver_interface<2>>("stokes",
+                                               R"j({"viscosity": 1, "sweeps": 3000000000})j");
   EXPECT_THROW(fluid->parameters.integer("sweeps"), Error);
 }

@@ -18,7 +18,7 @@ namespace
   cases()
   {
     static const Registry registry = small_registry();
-    static const Schema   schema   = Schema::compose(registry);
+    static const Schema schema     = Schema::compose(registry);
     return schema;
   }
 
@@ -46,9 +46,10 @@ namespace
     Json
     value(const Json &reference, const unsigned int depth = 0)
     {
-      const Json &schema = reference.contains("$ref") ?
-                             root.at(Json::json_pointer(reference["$ref"].get<std::string>().substr(1))) :
-                             reference;
+      const Json &schema =
+        reference.contains("$ref")
+          ? root.at(Json::json_pointer(reference["$ref"].get<std::string>().substr(1)))
+          : reference;
       if (one_in(100))
         return junk();
       if (schema.contains("enum"))
@@ -62,15 +63,15 @@ namespace
         return object(schema, depth);
       if (type == "array")
         {
-          Json result = Json::array();
-          const unsigned int size =
-            one_in(20) ? below(5) : schema.value("minItems", 0u) + below(2);
+          Json result             = Json::array();
+          const unsigned int size = one_in(20) ? below(5) : schema.value("minItems", 0u) + below(2);
           for (unsigned int i = 0; i < size; ++i)
             result.push_back(value(schema["items"], depth + 1));
           return result;
         }
       if (type == "number")
-        return one_in(20) ? Json(0.5 * below(300) - 2) : Json(schema.value("minimum", 0.) + 1 + below(3));
+        return one_in(20) ? Json(0.5 * below(300) - 2)
+                          : Json(schema.value("minimum", 0.) + 1 + below(3));
       if (type == "integer")
         return one_in(20) ? Json(2.0) : one_in(20) ? Json(-1) : Json(1 + below(4));
       if (type == "string")
@@ -79,7 +80,7 @@ namespace
     }
 
   private:
-    const Json  &root;
+    const Json &root;
     std::mt19937 engine;
 
     unsigned int
@@ -97,15 +98,23 @@ namespace
     Json
     junk()
     {
-      static const std::vector<Json> things = {
-        nullptr, true, -1, 0.0, 1e300, "text", Json::array(), Json::array({1}), Json::object(), {{"key", 1}}};
+      static const std::vector<Json> things = {nullptr,
+                                               true,
+                                               -1,
+                                               0.0,
+                                               1e300,
+                                               "text",
+                                               Json::array(),
+                                               Json::array({1}),
+                                               Json::object(),
+                                               {{"key", 1}}};
       return things[below(things.size())];
     }
 
     Json
     object(const Json &schema, const unsigned int depth)
     {
-      Json       result     = Json::object();
+      Json result           = Json::object();
       const Json properties = schema.value("properties", Json::object());
       if (schema.contains("maxProperties") && !properties.empty())
         {
@@ -116,9 +125,9 @@ namespace
       else
         for (const auto &[key, property] : properties.items())
           if (schema.value("required", Json::array()).dump().find("\"" + key + "\"") !=
-                  std::string::npos ?
-                !one_in(50) :
-                depth < 8 && one_in(2))
+                  std::string::npos
+                ? !one_in(50)
+                : depth < 8 && one_in(2))
             result[key] = value(property, depth + 1);
       if (schema.contains("additionalProperties") && schema["additionalProperties"].is_object())
         result["name"] = value(schema["additionalProperties"], depth + 1);
@@ -131,15 +140,15 @@ namespace
 
 TEST(Schema, ExplainAgreesWithTheJudge)
 {
-  const Json   root  = Json::parse(cases().text());
-  unsigned int valid = 0;
+  const Json root      = Json::parse(cases().text());
+  unsigned int valid   = 0;
   const unsigned int n = 3000;
-  Generator          generator(root, 1);
+  Generator generator(root, 1);
   for (unsigned int i = 0; i < n; ++i)
     {
-      const std::string document  = generator.value(root).dump();
-      const Issues      issues    = cases().explain(document);
-      const bool        explained = issues.empty();
+      const std::string document = generator.value(root).dump();
+      const Issues issues        = cases().explain(document);
+      const bool explained       = issues.empty();
       ASSERT_EQ(explained, cases().accepts(document))
         << document << '\n'
         << (explained ? "" : issues[0].pointer + ": " + issues[0].message);
@@ -152,30 +161,31 @@ TEST(Schema, ExplainAgreesWithTheJudge)
 
 TEST(Schema, ExplainAgreesWithTheJudgeOnTheRules)
 {
-  const Json         root  = Json::parse(Schema::component_rules().text());
-  const Json         model = Json::parse(stokes_schema);
-  std::mt19937       engine(2);
-  unsigned int       valid = 0;
-  const unsigned int n     = 500;
+  const Json root  = Json::parse(Schema::component_rules().text());
+  const Json model = Json::parse(stokes_schema);
+  std::mt19937 engine(2);
+  unsigned int valid   = 0;
+  const unsigned int n = 500;
   for (unsigned int i = 0; i < n; ++i)
     {
       // Change one place of a good schema.
-      Json       changed = model;
-      const Json flat    = model.flatten();
-      auto       place   = flat.begin();
+      Json changed    = model;
+      const Json flat = model.flatten();
+      auto place      = flat.begin();
       std::advance(place, engine() % flat.size());
       const Json::json_pointer pointer(place.key());
-      const Json things[] = {"text", 1, true, false, Json::array({"a"}), Json::object(), "object", 2.5};
-      Json        &parent = changed[pointer.parent_pointer()];
+      const Json things[] = {
+        "text", 1, true, false, Json::array({"a"}), Json::object(), "object", 2.5};
+      Json &parent = changed[pointer.parent_pointer()];
       if (parent.is_object() && engine() % 3 == 0)
         parent[engine() % 2 ? "additionalProperties" : "pattern"] = false;
       else if (parent.is_object() && engine() % 3 == 0)
         parent.erase(pointer.back());
       else
         changed[pointer] = things[engine() % 8];
-      const std::string document  = changed.dump();
-      const Issues      issues    = Schema::component_rules().explain(document);
-      const bool        explained = issues.empty();
+      const std::string document = changed.dump();
+      const Issues issues        = Schema::component_rules().explain(document);
+      const bool explained       = issues.empty();
       ASSERT_EQ(explained, Schema::component_rules().accepts(document))
         << document << '\n'
         << (explained ? "" : issues[0].pointer + ": " + issues[0].message);
@@ -191,8 +201,9 @@ TEST(Schema, SpeaksPlainly)
             "/fluid/stokes/viscosty: unknown key \"viscosty\"; did you mean \"viscosity\"?\n");
   EXPECT_EQ(explained("/time/qqq", 1),
             "/time/qqq: unknown key \"qqq\"; allowed are \"step\", \"end\", \"integrator\"\n");
-  EXPECT_EQ(explained("/domain/boundary", {{"x_min", {{"no_slip", {{"speed", 1}}}}}}),
-            "/domain/boundary/x_min/no_slip/speed: unknown key \"speed\"; nothing is allowed here\n");
+  EXPECT_EQ(
+    explained("/domain/boundary", {{"x_min", {{"no_slip", {{"speed", 1}}}}}}),
+    "/domain/boundary/x_min/no_slip/speed: unknown key \"speed\"; nothing is allowed here\n");
 }
 
 TEST(Schema, NamesTypesAndRanges)
@@ -213,31 +224,36 @@ TEST(Schema, NamesTypesAndRanges)
             "/fluid/stokes/force/0: must be a string or a number, found true\n");
   EXPECT_EQ(explained("/fluid/stokes/convection", "upwind"),
             "/fluid/stokes/convection: must be one of \"none\", \"explicit\", found \"upwind\"\n");
-  EXPECT_EQ(explained("/domain/cells", {4}), "/domain/cells: must have at least 2 entries, found 1\n");
+  EXPECT_EQ(explained("/domain/cells", {4}),
+            "/domain/cells: must have at least 2 entries, found 1\n");
   EXPECT_EQ(explained("/time", {{"step", 1}}), "/time: the required key \"end\" is missing\n");
 }
 
 TEST(Schema, NamesComponentsOfASlot)
 {
-  EXPECT_EQ(explained("/coupling", {{"variatonal", Json::object()}}),
-            "/coupling/variatonal: no plugin provides the coupling_operator \"variatonal\"; did you mean "
-            "\"variational\"?\n");
+  EXPECT_EQ(
+    explained("/coupling", {{"variatonal", Json::object()}}),
+    "/coupling/variatonal: no plugin provides the coupling_operator \"variatonal\"; did you mean "
+    "\"variational\"?\n");
   EXPECT_EQ(explained("/coupling", {{"magic", Json::object()}}),
             "/coupling/magic: no plugin provides the coupling_operator \"magic\"; available are "
             "\"variational\"\n");
-  EXPECT_EQ(explained("/coupling", "variational"),
-            "/coupling: must name a coupling_operator as its key, {\"name\": {...}}, found the string "
-            "\"variational\"; available are \"variational\"\n");
-  EXPECT_EQ(explained("/output", Json::array({{{"vtu", Json::object()}, {"ledger_csv", Json::object()}}})),
-            "/output/0: must name exactly one output_writer, found 2: \"ledger_csv\", \"vtu\"; available are "
+  EXPECT_EQ(
+    explained("/coupling", "variational"),
+    "/coupling: must name a coupling_operator as its key, {\"name\": {...}}, found the string "
+    "\"variational\"; available are \"variational\"\n");
+  EXPECT_EQ(explained("/output",
+                      Json::array({{{"vtu", Json::object()}, {"ledger_csv", Json::object()}}})),
+            "/output/0: must name exactly one output_writer, found 2: \"ledger_csv\", \"vtu\"; "
+            "available are "
             "\"ledger_csv\", \"vtu\"\n");
   EXPECT_EQ(explained("/domain/boundary", {{"x_min", Json::object()}}),
-            "/domain/boundary/x_min: must have exactly 1 key, found 0; allowed are \"no_slip\", \"velocity\", "
+            "/domain/boundary/x_min: must have exactly 1 key, found 0; allowed are \"no_slip\", "
+            "\"velocity\", "
             "\"free_slip\", \"outflow\"\n");
 
   const Registry nothing;
-  const Issues   issues =
-    Schema::compose(nothing).explain(small_case);
+  const Issues issues = Schema::compose(nothing).explain(small_case);
   ASSERT_EQ(issues.size(), 1u);
   EXPECT_EQ(issues[0].pointer, "/fluid/stokes");
   EXPECT_EQ(issues[0].message,
@@ -246,11 +262,11 @@ TEST(Schema, NamesComponentsOfASlot)
 
 TEST(Schema, ReportsEverythingAtOnce)
 {
-  Json document                 = Json::parse(small_case);
-  document["dimension"]         = 4;
-  document["time"]["step"]      = -1;
-  document["tme"]               = 1;
-  document["fluid"]["stokes"]   = {{"viscosity", "x"}, {"density", -1}};
+  Json document               = Json::parse(small_case);
+  document["dimension"]       = 4;
+  document["time"]["step"]    = -1;
+  document["tme"]             = 1;
+  document["fluid"]["stokes"] = {{"viscosity", "x"}, {"density", -1}};
   EXPECT_EQ(cases().explain(document.dump()).size(), 5u);
 }
 
@@ -260,7 +276,7 @@ TEST(Schema, FillsDefaultsEverywhere)
   document["fluid"]["stokes"]["probes"]     = {{{"at", 1}}, {{"at", 2}, {"weight", 9}}};
   document["fluid"]["stokes"]["marks"]["a"] = Json::object();
   document["structures"]                    = {{{"body", {{"law", {{"scaled", Json::object()}}}}}}};
-  const Json filled = Json::parse(cases().with_defaults(document.dump()));
+  const Json filled                         = Json::parse(cases().with_defaults(document.dump()));
 
   EXPECT_EQ(filled["title"], "");
   EXPECT_EQ(filled["coupling"], Json::parse(R"({"variational": {}})"));
@@ -310,14 +326,17 @@ TEST(Schema, RulesForComponents)
   EXPECT_FALSE(rule_issues("/properties/d", {{"type", "number"}, {"default", 1}}).empty())
     << "a property needs a description";
   EXPECT_FALSE(
-    rule_issues("/properties/d", {{"type", "object"}, {"description", "D; none when not given."}}).empty())
+    rule_issues("/properties/d", {{"type", "object"}, {"description", "D; none when not given."}})
+      .empty())
     << "objects must say what else they hold";
   EXPECT_FALSE(
-    rule_issues("/properties/d", {{"slot", "a"}, {"type", "object"}, {"description", "D when not given."}})
+    rule_issues("/properties/d",
+                {{"slot", "a"}, {"type", "object"}, {"description", "D when not given."}})
       .empty())
     << "a slot is nothing else";
   EXPECT_TRUE(
-    rule_issues("/properties/d", {{"type", "number"}, {"description", "D; 0 when not given."}}).empty());
+    rule_issues("/properties/d", {{"type", "number"}, {"description", "D; 0 when not given."}})
+      .empty());
   EXPECT_TRUE(rule_issues("/properties/d",
                           {{"type", {"number", "string"}}, {"description", "D."}, {"default", 1}})
                 .empty());

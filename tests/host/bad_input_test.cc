@@ -17,7 +17,7 @@ namespace
     static std::string
     changed(const std::string &what, const std::string &with)
     {
-      std::string       text  = small_case;
+      std::string text        = small_case;
       const std::size_t place = text.find(what);
       if (place == std::string::npos)
         throw std::logic_error("the case does not hold " + what);
@@ -38,7 +38,7 @@ namespace
       folder.write("case.json", text);
       const RunResult result = run_host("case.json --output out", 1, folder.path.string());
       EXPECT_EQ(result.exit_code, 2);
-      std::istringstream       stream(result.output);
+      std::istringstream stream(result.output);
       std::vector<std::string> found;
       for (std::string line; std::getline(stream, line);)
         found.push_back(line);
@@ -66,37 +66,43 @@ TEST_F(BadInput, DuplicateKey)
 
 TEST_F(BadInput, UnknownKey)
 {
-  refused(changed("\"density\": 1,", "\"density\": 1, \"viscosty\": 1,"),
-          {"case.json:4:59: error: /fluid/navier_stokes/viscosty: unknown key \"viscosty\"; did you mean "
-           "\"viscosity\"?"});
+  refused(
+    changed("\"density\": 1,", "\"density\": 1, \"viscosty\": 1,"),
+    {"case.json:4:59: error: /fluid/navier_stokes/viscosty: unknown key \"viscosty\"; did you mean "
+     "\"viscosity\"?"});
 }
 
 TEST_F(BadInput, WrongType)
 {
-  refused(changed("\"density\": 1", "\"density\": \"heavy\""),
-          {"case.json:4:44: error: /fluid/navier_stokes/density: must be a number, found the string "
-           "\"heavy\""});
+  refused(
+    changed("\"density\": 1", "\"density\": \"heavy\""),
+    {"case.json:4:44: error: /fluid/navier_stokes/density: must be a number, found the string "
+     "\"heavy\""});
 }
 
 TEST_F(BadInput, OutOfRange)
 {
-  refused(changed("\"density\": 1", "\"density\": -1"),
-          {"case.json:4:44: error: /fluid/navier_stokes/density: must be greater than 0, found -1"});
+  refused(
+    changed("\"density\": 1", "\"density\": -1"),
+    {"case.json:4:44: error: /fluid/navier_stokes/density: must be greater than 0, found -1"});
 }
 
 TEST_F(BadInput, UnknownComponent)
 {
-  refused(changed("\"structures\"", "\"coupling\": { \"magic\": {} }, \"structures\""),
-          {"case.json:5:26: error: /coupling/magic: no plugin provides the coupling_operator \"magic\"; "
-           "available are \"variational\""});
+  refused(
+    changed("\"structures\"", "\"coupling\": { \"magic\": {} }, \"structures\""),
+    {"case.json:5:26: error: /coupling/magic: no plugin provides the coupling_operator \"magic\"; "
+     "available are \"variational\""});
 }
 
 TEST_F(BadInput, SeveralAtOnce)
 {
-  refused(changed("\"density\": 1, \"viscosity\": 1", "\"density\": 0, \"viscosity\": \"thick\", \"a_key\": 1"),
-          {"case.json:4:44: error: /fluid/navier_stokes/density: must be greater than 0, found 0",
-           "case.json:4:60: error: /fluid/navier_stokes/viscosity: must be a number",
-           "case.json:4:78: error: /fluid/navier_stokes/a_key: unknown key \"a_key\"; allowed are"});
+  refused(
+    changed("\"density\": 1, \"viscosity\": 1",
+            "\"density\": 0, \"viscosity\": \"thick\", \"a_key\": 1"),
+    {"case.json:4:44: error: /fluid/navier_stokes/density: must be greater than 0, found 0",
+     "case.json:4:60: error: /fluid/navier_stokes/viscosity: must be a number",
+     "case.json:4:78: error: /fluid/navier_stokes/a_key: unknown key \"a_key\"; allowed are"});
 }
 
 TEST_F(BadInput, Setting)
@@ -111,42 +117,49 @@ TEST_F(BadInput, Setting)
 
 TEST_F(BadInput, GmshFileMissing)
 {
-  refused(with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "gmsh": { "file": "none.msh" } },
+  refused(with_structure(
+            R"({ "hyperelastic": { "name": "a", "mesh": { "gmsh": { "file": "none.msh" } },
   "law": { "neo_hookean": { "shear_modulus": 1 } } } })"),
-          {"case.json:6:63: error: /structures/0/hyperelastic/mesh/gmsh/file: "});
+          {"case.json:6:62: error: /structures/0/hyperelastic/mesh/gmsh/file: "});
 }
 
 TEST_F(BadInput, GmshFileOfTheWrongDimension)
 {
-  folder.write("segments.msh",
-               "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0.4 0.5 0\n2 0.6 0.5 0\n$EndNodes\n"
-               "$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n");
-  refused(with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "gmsh": { "file": "segments.msh" } },
+  folder.write(
+    "segments.msh",
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0.4 0.5 0\n2 0.6 0.5 0\n$EndNodes\n"
+    "$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n");
+  refused(with_structure(
+            R"({ "hyperelastic": { "name": "a", "mesh": { "gmsh": { "file": "segments.msh" } },
   "law": { "neo_hookean": { "shear_modulus": 1 } } } })"),
-          {"case.json:6:63: error: /structures/0/hyperelastic/mesh/gmsh/file: "});
+          {"case.json:6:62: error: /structures/0/hyperelastic/mesh/gmsh/file: "});
 }
 
 TEST_F(BadInput, StructureOutsideTheBox)
 {
   refused(
-    with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "disc": { "centre": [0.9, 0.5], "radius": 0.2, "rings": 2 } },
+    with_structure(
+      R"({ "hyperelastic": { "name": "a", "mesh": { "disc": { "centre": [0.9, 0.5], "radius": 0.2, "rings": 2 } },
   "law": { "neo_hookean": { "shear_modulus": 1 } } } })"),
-    {"case.json:6:"});
+    {"case.json:6:42: error: /structures/0/hyperelastic/mesh: the structure \"a\" is not inside "
+     "the box"});
 }
 
 TEST_F(BadInput, InvertedElements)
 {
   refused(
-    with_structure(R"({ "hyperelastic": { "name": "a", "mesh": { "disc": { "centre": [0.5, 0.5], "radius": 0.2, "rings": 2 } },
+    with_structure(
+      R"({ "hyperelastic": { "name": "a", "mesh": { "disc": { "centre": [0.5, 0.5], "radius": 0.2, "rings": 2 } },
   "initial_position": ["1 - s1", "s2"],
   "law": { "neo_hookean": { "shear_modulus": 1, "stress_free": true } } } })"),
-    {"case.json:"});
+    {"case.json:7:23: error: /structures/0/hyperelastic/initial_position: inverts element"});
 }
 
 TEST_F(BadInput, ExpressionThatDoesNotParse)
 {
   refused(changed("\"viscosity\": 1", "\"viscosity\": 1, \"body_force\": [0, \"sin(x) * height\"]"),
-          {"case.json:4:82: error: /fluid/navier_stokes/body_force/1: the expression \"sin(x) * height\" cannot "
+          {"case.json:4:81: error: /fluid/navier_stokes/body_force/1: the expression \"sin(x) * "
+           "height\" cannot "
            "be read: "});
 }
 

@@ -49,8 +49,16 @@ TEST_F(CommandLine, HelpAndVersion)
 {
   const RunResult help = host("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char *const option : {"--output", "--set", "--plugin-path", "--validate", "--list-plugins",
-                                   "--describe", "--json", "--schema", "--log-level", "--version",
+  for (const char *const option : {"--output",
+                                   "--set",
+                                   "--plugin-path",
+                                   "--validate",
+                                   "--list-plugins",
+                                   "--describe",
+                                   "--json",
+                                   "--schema",
+                                   "--log-level",
+                                   "--version",
                                    "--overwrite"})
     EXPECT_TRUE(holds(help.output, option)) << option;
 
@@ -64,10 +72,12 @@ TEST_F(CommandLine, UsageThatMakesNoSense)
   refused("--foo", "unknown option --foo; see feib-host --help");
   refused("", "which case? feib-host CASE.json runs it; see feib-host --help");
   refused("case.json other.json", "one case at a time, found case.json and other.json");
-  refused("case.json --set /time/end", "--set /time/end has no value; write --set /json/pointer=VALUE");
+  refused("case.json --set /time/end",
+          "--set /time/end has no value; write --set /json/pointer=VALUE");
   refused("case.json --json", "--json goes with --describe NAME");
-  refused("case.json --log-level loud",
-          "there is no log level \"loud\"; the levels are trace, debug, info, warning, error and off");
+  refused(
+    "case.json --log-level loud",
+    "there is no log level \"loud\"; the levels are trace, debug, info, warning, error and off");
   refused("none.json", "none.json: there is no such file");
   refused("case.json --plugin-path nowhere",
           "the plugin folder nowhere cannot be read: No such file or directory");
@@ -87,8 +97,9 @@ TEST_F(CommandLine, DescribesComponents)
 
   const RunResult unknown = host("--describe neo_hokean");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_TRUE(holds(unknown.output,
-                    "there is no component \"neo_hokean\"; did you mean \"neo_hookean\"?; the components are"))
+  EXPECT_TRUE(holds(
+    unknown.output,
+    "there is no component \"neo_hokean\"; did you mean \"neo_hookean\"?; the components are"))
     << unknown.output;
   EXPECT_TRUE(holds(unknown.output, "\n  fluid_solver/navier_stokes\n")) << unknown.output;
 }
@@ -106,17 +117,22 @@ TEST_F(CommandLine, ListsPlugins)
 {
   const RunResult result = host("--list-plugins");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char *const component :
-       {"constitutive_law/neo_hookean", "coupling_operator/variational", "fluid_solver/navier_stokes",
-        "output_writer/vtu", "structure_model/membrane", "time_integrator/fe_be"})
+  for (const char *const component : {"constitutive_law/neo_hookean",
+                                      "coupling_operator/variational",
+                                      "fluid_solver/navier_stokes",
+                                      "output_writer/vtu",
+                                      "structure_model/membrane",
+                                      "time_integrator/fe_be"})
     EXPECT_TRUE(holds(result.output, std::string("\n    ") + component + "\n")) << result.output;
 }
 
 TEST_F(CommandLine, FindsPluginsByVariable)
 {
-  const RunResult result = run_command("FEIB_PLUGIN_PATH=" + shell_quoted(folder.path.string()) + "; " +
-                                       "export FEIB_PLUGIN_PATH; " + host_command() + " --list-plugins");
-  EXPECT_TRUE(holds(result.output, "Looked in:\n  " + folder.path.string() + "\n")) << result.output;
+  const RunResult result =
+    run_command("FEIB_PLUGIN_PATH=" + shell_quoted(folder.path.string()) + "; " +
+                "export FEIB_PLUGIN_PATH; " + host_command() + " --list-plugins");
+  EXPECT_TRUE(holds(result.output, "Looked in:\n  " + folder.path.string() + "\n"))
+    << result.output;
 }
 
 TEST_F(CommandLine, ValidatesWithoutWriting)
@@ -133,13 +149,13 @@ TEST_F(CommandLine, RunsIntoAFolderNamedByTheCase)
   fs::create_directory(folder / "vessel");
   fs::copy(folder / "case.json", folder / "vessel/case.json");
   fs::copy(folder / "case.json", folder / "other.json");
-  for (const std::string &file : {"vessel/case.json", "other.json"})
+  for (const std::string file : {"vessel/case.json", "other.json"})
     {
       const RunResult result = host(file);
       EXPECT_EQ(result.exit_code, 0) << result.output;
       EXPECT_FALSE(holds(result.output, "%")) << "progress is for terminals: " << result.output;
     }
-  for (const std::string &name : {"output/vessel", "output/other"})
+  for (const std::string name : {"output/vessel", "output/other"})
     {
       EXPECT_EQ(read_json(folder / (name + "/summary.json"))["status"], "completed");
       EXPECT_TRUE(holds(read_file(folder / (name + "/log.txt")), "info: Feib "));
@@ -161,16 +177,18 @@ TEST_F(CommandLine, NeverWritesIntoANonEmptyFolder)
   folder.write("full/precious.txt", "do not touch");
   const RunResult result = host("case.json --output full");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.output,
-            "error: the output folder full is not empty; choose another with --output, or allow this one "
-            "with --overwrite\n");
+  EXPECT_EQ(
+    result.output,
+    "error: the output folder full is not empty; choose another with --output, or allow this one "
+    "with --overwrite\n");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder / "full"), fs::directory_iterator()), 1);
 
   EXPECT_EQ(host("case.json --output full --overwrite").exit_code, 0);
   EXPECT_EQ(read_file(folder / "full/precious.txt"), "do not touch");
   EXPECT_TRUE(fs::exists(folder / "full/summary.json"));
 
-  EXPECT_EQ(host("case.json --output case.json").output, "error: the output folder case.json is a file\n");
+  EXPECT_EQ(host("case.json --output case.json").output,
+            "error: the output folder case.json is a file\n");
   fs::create_directory(folder / "empty");
   EXPECT_EQ(host("case.json --output empty").exit_code, 0);
 }
@@ -184,11 +202,12 @@ TEST_F(CommandLine, AFolderThatCannotBeMadeIsARunTimeFailure)
 
 TEST_F(CommandLine, ASignalEndsTheRunInOrder)
 {
-  const RunResult result =
-    run_command(host_command() +
-                  " case.json --output out --set /time/step=1e-4 --set /time/end=1e6 --set /output=[] & pid=$!; "
-                  "until [ -e out/log.txt ]; do kill -0 $pid || exit 99; done; kill -TERM $pid; wait $pid",
-                folder.path.string());
+  const RunResult result = run_command(
+    host_command() +
+      " case.json --output out --set /time/step=1e-4 --set /time/end=1e6 --set /output=[] & "
+      "pid=$!; "
+      "until [ -e out/log.txt ]; do kill -0 $pid || exit 99; done; kill -TERM $pid; wait $pid",
+    folder.path.string());
   EXPECT_EQ(result.exit_code, 1) << result.output;
   EXPECT_TRUE(holds(result.output, "stopped by")) << result.output;
   EXPECT_TRUE(holds(read_file(folder / "out/log.txt"), "error: stopped by"));
@@ -198,7 +217,8 @@ TEST_F(CommandLine, ASignalEndsTheRunInOrder)
 TEST_F(CommandLine, ShowsProgressOnATerminal)
 {
   const RunResult result =
-    run_command("script -qec " + shell_quoted(host_command() + " case.json --output out") + " /dev/null",
+    run_command("script -qec " + shell_quoted(host_command() + " case.json --output out") +
+                  " /dev/null",
                 folder.path.string());
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_TRUE(holds(result.output, "\r\033[K100.0 %  step 1  time 0.1 of 0.1")) << result.output;
@@ -211,7 +231,8 @@ TEST_F(CommandLine, OneOfSeveralRanksSpeaks)
 
   const RunResult usage = host("case.json --json", 2);
   EXPECT_EQ(usage.exit_code, 2);
-  EXPECT_EQ(usage.output.find("error: --json"), usage.output.rfind("error: --json")) << usage.output;
+  EXPECT_EQ(usage.output.find("error: --json"), usage.output.rfind("error: --json"))
+    << usage.output;
 
   const RunResult bad = host("case.json --output out --set /time/end=-1", 2);
   EXPECT_EQ(bad.exit_code, 2);

@@ -34,9 +34,8 @@ namespace feib::testing
       std::filesystem::remove_all(path, ignored);
     }
 
-    TemporaryFolder(const TemporaryFolder &) = delete;
-    TemporaryFolder &
-    operator=(const TemporaryFolder &) = delete;
+    TemporaryFolder(const TemporaryFolder &)            = delete;
+    TemporaryFolder &operator=(const TemporaryFolder &) = delete;
 
     /// The path of a file in the folder.
     std::string
@@ -57,7 +56,6 @@ namespace feib::testing
   };
 
 
-
   inline std::string
   shell_quoted(const std::string &text)
   {
@@ -68,26 +66,24 @@ namespace feib::testing
   }
 
 
-
   struct RunResult
   {
-    int         exit_code;
+    int exit_code;
     std::string output; // standard output and standard error
   };
-
 
 
   /// Runs a shell command, in @p folder when one is given.
   inline RunResult
   run_command(const std::string &command, const std::string &folder = "")
   {
-    const std::string all =
-      (folder.empty() ? "" : "cd " + shell_quoted(folder) + " && ") + "( " + command + " ) 2>&1 </dev/null";
+    const std::string all = (folder.empty() ? "" : "cd " + shell_quoted(folder) + " && ") + "( " +
+                            command + " ) 2>&1 </dev/null";
     FILE *const pipe = popen(all.c_str(), "r");
     if (pipe == nullptr)
       throw std::runtime_error("cannot run " + command);
-    RunResult   result;
-    char        buffer[4096];
+    RunResult result;
+    char buffer[4096];
     std::size_t n;
     while ((n = fread(buffer, 1, sizeof buffer, pipe)) > 0)
       result.output.append(buffer, n);
@@ -95,7 +91,6 @@ namespace feib::testing
     result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return result;
   }
-
 
 
   /// The command that starts feib-host on @p ranks ranks. Its environment is cleaned of what a test
@@ -106,33 +101,33 @@ namespace feib::testing
     const std::string clean =
       "unset $(env | grep -oE '^(OMPI_COMM|OMPI_MCA_(ess|orte|pmix)|PMIX|PRTE)[A-Za-z0-9_]*'); ";
     return clean +
-           (ranks == 1 ? "" :
-                         std::string(FEIB_MPIEXEC) + " -np " + std::to_string(ranks) + " --oversubscribe ") +
+           (ranks == 1
+              ? ""
+              : std::string(FEIB_MPIEXEC) + " -np " + std::to_string(ranks) + " --oversubscribe ") +
            shell_quoted(FEIB_HOST);
   }
 
 
-
   /// Runs feib-host with the arguments (quoted for a shell where they need it).
   inline RunResult
-  run_host(const std::string &arguments, const unsigned int ranks = 1, const std::string &folder = "")
+  run_host(const std::string &arguments,
+           const unsigned int ranks  = 1,
+           const std::string &folder = "")
   {
     return run_command(host_command(ranks) + " " + arguments, folder);
   }
 
 
-
   inline std::string
   read_file(const std::string &name)
   {
-    std::ifstream      file(name);
+    std::ifstream file(name);
     std::ostringstream text;
     text << file.rdbuf();
     if (!file)
       throw std::runtime_error("cannot read " + name);
     return text.str();
   }
-
 
 
   /// Reads a JSON file, e.g. DIR/summary.json.

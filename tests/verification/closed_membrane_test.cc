@@ -18,20 +18,20 @@ namespace
 TEST(MembraneCircle, PressureIsExactWithinOnePerCentAwayFromTheCurve)
 {
   const double R   = .4;
-  const auto space = testing::make_space<2>("{\"cells\": [32, 32]}");
+  const auto space = feib::testing::make_space<2>("{\"cells\": [32, 32]}");
   std::vector<ImmersedStructure<2>> structures(1);
-  structures[0].model = testing::registry().create<StructureModel<2>>(
+  structures[0].model = feib::testing::registry().create<StructureModel<2>>(
     "membrane",
     "{\"name\": \"circle\", \"mesh\": {\"closed_curve\": {\"length\": 2.5132741228718345, "
     "\"elements\": 512}}, \"initial_position\": [\"0.5+0.4*cos(s1/0.4)\", "
     "\"0.5+0.4*sin(s1/0.4)\"], "
     "\"law\": {\"anisotropic_linear\": {\"stiffness\": 1}}}");
-  structures[0].motion = testing::registry().create<CouplingOperator<2>>("variational");
+  structures[0].motion = feib::testing::registry().create<CouplingOperator<2>>("variational");
   structures[0].nodes  = LagrangianPoints::nodes(structures[0].model->mesh().n_nodes());
   const auto fluid =
-    testing::registry().create<FluidSolver<2>>("navier_stokes",
+    feib::testing::registry().create<FluidSolver<2>>("navier_stokes",
                                                "{\"density\": 1, \"viscosity\": 1}");
-  const auto scheme = testing::registry().create<TimeIntegrator<2>>("fe_be");
+  const auto scheme = feib::testing::registry().create<TimeIntegrator<2>>("fe_be");
   Timers timers;
   TimeIntegrator<2>::System system{*space, *fluid, structures, timers};
   fluid->initialize(*space);
@@ -68,16 +68,16 @@ TEST(RelaxingEllipse, AreaLossAndEnergyLossAreOneNumber)
 {
   // Gastaldi's ellipse ends as a circle with 0.8 (1 - q) of its energy if it lost the part q of its
   // area.
-  const testing::TemporaryFolder temporary;
+  const feib::testing::TemporaryFolder temporary;
   const std::string curve      = "/structures/0/membrane/mesh/closed_curve";
-  const testing::RunResult run = testing::run_host(
-    testing::shell_quoted(FEIB_SOURCE "/cases/membrane_circle/case.json") + " --output " +
-    testing::shell_quoted(temporary / "results") +
+  const feib::testing::RunResult run = feib::testing::run_host(
+    feib::testing::shell_quoted(FEIB_SOURCE "/cases/membrane_circle/case.json") + " --output " +
+    feib::testing::shell_quoted(temporary / "results") +
     " --set /output=[] --set /time/step=0.01 --set /time/end=3 --set " + curve +
     "/length=1 --set '/structures/0/membrane/initial_position=[\"0.2*cos(2*pi*s1)+0.45\", "
     "\"0.1*sin(2*pi*s1)+0.45\"]'");
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  const auto summary    = testing::read_json(temporary / "results/summary.json");
+  const auto summary    = feib::testing::read_json(temporary / "results/summary.json");
   const double q_area   = -summary["structures"][0]["relative_measure_change"].get<double>();
   const double q_energy = 1 - summary["energy"]["elastic"].get<double>() /
                                 (.8 * summary["energy"]["total_initial"].get<double>());

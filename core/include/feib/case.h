@@ -19,44 +19,41 @@ namespace feib
 
     /// Parses @p text, applies the settings (JSON pointer, value: JSON, or else taken as a string),
     /// validates against the schema composed from the registry and fills in the defaults.
-    /// @p file is the name used in messages; relative file names in the case are meant from its folder.
-    /// Throws Error with all issues. The registry must outlive the case.
+    /// @p file is the name used in messages; relative file names in the case are meant from its
+    /// folder. Throws Error with all issues. The registry must outlive the case.
     Case(const std::string &text,
          const std::string &file,
-         const Registry    &registry,
-         const Settings    &settings = {});
+         const Registry &registry,
+         const Settings &settings = {});
 
-    /// The text of a file, read on rank 0 and shared. Collective. Throws Error when it cannot be read.
-    static std::string
-    read(const std::string &file);
+    /// The text of a file, read on rank 0 and shared. Collective. Throws Error when it cannot be
+    /// read.
+    static std::string read(const std::string &file);
 
     /// The case in a file; see read().
     static Case
     from_file(const std::string &file, const Registry &registry, const Settings &settings = {});
 
     /// The whole case.
-    const Parameters &
-    parameters() const;
+    const Parameters &parameters() const;
 
     /// The exact run, with all defaults, as text.
-    std::string
-    resolved() const;
+    std::string resolved() const;
 
-    /// Turns issues into lines "file:line:col: error: /pointer: message", by their places in the text
-    /// (the nearest enclosing value where the pointer names something absent; a value given by --set says so).
-    std::string
-    format(const Issues &issues) const;
+    /// Turns issues into lines "file:line:col: error: /pointer: message", by their places in the
+    /// text (the nearest enclosing value where the pointer names something absent; a value given by
+    /// --set says so).
+    std::string format(const Issues &issues) const;
 
     /// The same for a text that could not become a case.
-    static std::string
-    format(const Issues      &issues,
-           const std::string &text,
-           const std::string &file,
-           const Settings    &settings = {});
+    static std::string format(const Issues &issues,
+                              const std::string &text,
+                              const std::string &file,
+                              const Settings &settings = {});
 
   private:
-    std::string                 text, file, resolved_text;
-    Settings                    settings;
+    std::string text, file, resolved_text;
+    Settings settings;
     std::unique_ptr<Parameters> view;
   };
 } // namespace feib

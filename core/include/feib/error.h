@@ -22,15 +22,15 @@ namespace feib
     /// Several errors at once.
     explicit Error(Issues issues);
 
-    const Issues &
-    issues() const;
+    const Issues &issues() const;
 
   private:
     Issues issue_list;
   };
 
   /// Trouble while running: a solver that diverges, a structure that leaves the box, a full disk.
-  /// The host keeps the last good state on disk and ends with exit code 1. Thrown by all ranks alike.
+  /// The host keeps the last good state on disk and ends with exit code 1. Thrown by all ranks
+  /// alike.
   class RunFailure : public std::runtime_error
   {
   public:

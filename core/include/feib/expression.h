@@ -23,20 +23,17 @@ namespace feib
   /// constants of the case are known). Throws Error at the expression that does not parse, names an
   /// unknown variable, or when there are not @p n_components of them.
   template <int dim>
-  std::unique_ptr<dealii::Function<dim>>
-  parse_expressions(const Parameters  &parameters,
-                    const std::string &key,
-                    unsigned int       n_components,
-                    Variables          variables);
+  std::unique_ptr<dealii::Function<dim>> parse_expressions(const Parameters &parameters,
+                                                           const std::string &key,
+                                                           unsigned int n_components,
+                                                           Variables variables);
 
   /// Whether any of the expressions at @p key depends on the time.
-  bool
-  depends_on_time(const Parameters &parameters, const std::string &key);
+  bool depends_on_time(const Parameters &parameters, const std::string &key);
 
-  /// Whether the name means something in every expression (a function, a variable, pi or e), so that
-  /// no constant of a case can have it.
-  bool
-  is_expression_word(const std::string &name);
+  /// Whether the name means something in every expression (a function, a variable, pi or e), so
+  /// that no constant of a case can have it.
+  bool is_expression_word(const std::string &name);
 } // namespace feib
 
 #endif

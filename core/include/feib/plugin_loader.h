@@ -18,33 +18,30 @@ namespace feib
     /// What became of one file.
     struct Result
     {
-      std::string              file;
-      std::string              plugin, version;
-      bool                     accepted;
-      std::string              reason; // why it was skipped
+      std::string file;
+      std::string plugin, version;
+      bool accepted;
+      std::string reason;                  // why it was skipped
       std::vector<std::string> components; // "kind/name"
     };
 
     explicit PluginLoader(Registry &registry);
 
-    /// Loads every "*.feib.so" of the folder, sorted by name. Throws Error when there is no such folder.
-    void
-    load_directory(const std::string &directory);
+    /// Loads every "*.feib.so" of the folder, sorted by name. Throws Error when there is no such
+    /// folder.
+    void load_directory(const std::string &directory);
 
     /// Loads one file.
-    const Result &
-    load(const std::string &file);
+    const Result &load(const std::string &file);
 
-    const std::vector<Result> &
-    results() const;
+    const std::vector<Result> &results() const;
 
-    /// --plugin-path, then FEIB_PLUGIN_PATH (colon separated), then the folder installed with Feib, or,
-    /// in a build tree, the folder the build writes plugins to.
-    static std::vector<std::string>
-    search_path(const std::vector<std::string> &from_command_line);
+    /// --plugin-path, then FEIB_PLUGIN_PATH (colon separated), then the folder installed with Feib,
+    /// or, in a build tree, the folder the build writes plugins to.
+    static std::vector<std::string> search_path(const std::vector<std::string> &from_command_line);
 
   private:
-    Registry           &registry;
+    Registry &registry;
     std::vector<Result> result_list;
   };
 } // namespace feib

@@ -21,44 +21,37 @@ namespace feib
     Schema(Schema &&);
     ~Schema();
 
-    /// One schema for whole cases: the skeleton (schemas/case.schema.json, embedded in the core) with
-    /// every slot, {"slot": kind}, replaced by the components of that kind in the registry, and every
-    /// {"fragment": name} by the entry of "fragments". The schemas of the components stand once, under
-    /// "definitions", so that a component may hold a slot of its own kind.
-    static Schema
-    compose(const Registry &registry);
+    /// One schema for whole cases: the skeleton (schemas/case.schema.json, embedded in the core)
+    /// with every slot, {"slot": kind}, replaced by the components of that kind in the registry,
+    /// and every
+    /// {"fragment": name} by the entry of "fragments". The schemas of the components stand once,
+    /// under "definitions", so that a component may hold a slot of its own kind.
+    static Schema compose(const Registry &registry);
 
-    /// The rules for the schemas of components (schemas/component.schema.json, embedded in the core).
-    static const Schema &
-    component_rules();
+    /// The rules for the schemas of components (schemas/component.schema.json, embedded in the
+    /// core).
+    static const Schema &component_rules();
 
     /// All that is wrong with the schema of a component: the rules, and what they cannot say.
-    static Issues
-    component_issues(const std::string &schema);
+    static Issues component_issues(const std::string &schema);
 
     /// Whether valijson, the judge, accepts the document.
-    bool
-    accepts(const std::string &document) const;
+    bool accepts(const std::string &document) const;
 
     /// All that is wrong with the document, in plain words; empty exactly when accepts() is true.
-    Issues
-    explain(const std::string &document) const;
+    Issues explain(const std::string &document) const;
 
     /// The document with every default of the schema filled in.
-    std::string
-    with_defaults(const std::string &document) const;
+    std::string with_defaults(const std::string &document) const;
 
     /// The text of the schema, indented.
-    std::string
-    text() const;
+    std::string text() const;
 
     /// The parameters the schema describes, for people: keys, types, ranges, defaults, meanings.
-    std::string
-    describe() const;
+    std::string describe() const;
 
     /// The texts of the examples the schema gives.
-    std::vector<std::string>
-    examples() const;
+    std::vector<std::string> examples() const;
 
   private:
     friend class Registry;
@@ -67,8 +60,7 @@ namespace feib
     explicit Schema(std::unique_ptr<Implementation> implementation);
 
     /// A skeleton with its fragments and slots replaced; without a registry a slot takes any name.
-    static Schema
-    expand(const std::string &skeleton, const Registry *registry);
+    static Schema expand(const std::string &skeleton, const Registry *registry);
 
     std::unique_ptr<Implementation> implementation;
   };

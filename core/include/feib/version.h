@@ -7,8 +7,7 @@
 namespace feib
 {
   /// The version of Feib, e.g. "0.1.0".
-  std::string
-  version();
+  std::string version();
 } // namespace feib
 
 #endif

@@ -17,7 +17,7 @@ namespace
   void
   check_exact_for_quadratics()
   {
-    const auto space = testing::make_space<dim>(
+    const auto space = feib::testing::make_space<dim>(
       dim == 2 ? "{\"cells\": [3, 5], \"lower\": [-1, 0], \"upper\": [2, 1], "
                  "\"boundary\": {\"x_min\": {\"outflow\": {}}, \"x_max\": "
                  "{\"outflow\": {}}, \"y_min\": {\"outflow\": {}}, "
@@ -28,7 +28,7 @@ namespace
                  "{}}, \"y_max\": {\"outflow\": {}}, \"z_min\": "
                  "{\"outflow\": {}}, \"z_max\": {\"outflow\": {}}}}");
     for (unsigned int i = 0; i < 2; ++i)
-      testing::refine_where(*space, [](const auto &x) { return x[0] > .4; });
+      feib::testing::refine_where(*space, [](const auto &x) { return x[0] > .4; });
     const auto field = [](const dealii::Point<dim> &x) {
       dealii::Tensor<1, dim> u;
       u[0] = 1 + x[0] * x[0] - 2 * x[0] * x[1];
@@ -52,14 +52,14 @@ namespace
         }
     space->distribute(u, false);
 
-    const LagrangianMesh<dim> mesh = testing::make_simplex_mesh<dim>(dim, 6);
+    const LagrangianMesh<dim> mesh = feib::testing::make_simplex_mesh<dim>(dim, 6);
     Positions<dim> X(mesh.n_nodes());
     for (unsigned int i = 0; i < X.size(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
         // Up to the very corners of the box.
         X[i][a] = space->domain().lower[a] +
                   (space->domain().upper[a] - space->domain().lower[a]) * mesh.nodes()[i][a];
-    const auto coupling = testing::registry().create<CouplingOperator<dim>>("variational");
+    const auto coupling = feib::testing::registry().create<CouplingOperator<dim>>("variational");
     coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(X.size()));
     NodalField<dim> U;
     coupling->interpolate(*space, u, U);

@@ -109,22 +109,6 @@ namespace feib
 
   template <int dim>
   std::vector<double>
-  CellOperators<dim>::grad_div_matrix(const Size &size) const
-  {
-    const double det = volume(size);
-    std::vector<double> matrix(n_u * n_u);
-    for (unsigned int c = 0; c < dim; ++c)
-      for (unsigned int d = 0; d < dim; ++d)
-        for (unsigned int i = 0; i < n; ++i)
-          for (unsigned int j = 0; j < n; ++j)
-            matrix[(c * n + i) * n_u + d * n + j] =
-              det / (size[c] * size[d]) * stiffness[c][d][i][j];
-    return matrix;
-  }
-
-
-  template <int dim>
-  std::vector<double>
   CellOperators<dim>::convection_matrix(const Size &size,
                                         const double *w,
                                         const double rho,

@@ -34,9 +34,6 @@ namespace feib
     /// The matrix (n_p x n_u) of (div u, q).
     std::vector<double> divergence_matrix(const Size &size) const;
 
-    /// The matrix (n_u x n_u) of (div u, div v).
-    std::vector<double> grad_div_matrix(const Size &size) const;
-
     /// The matrix (n x n) of one component of rho b(w; u, v), the convection with velocity w
     /// (n_u values): rho/2 [(w . grad u, v) - (w . grad v, u)] if @p skew, else rho (w . grad u,
     /// v).

@@ -680,7 +680,7 @@ namespace feib
   {
     struct Forms
     {
-      std::vector<double> mass, viscous, grad_div;
+      std::vector<double> mass, viscous;
     };
     std::vector<Forms> forms;
     Balance result;
@@ -693,9 +693,8 @@ namespace feib
         Forms &local = forms[cell.level];
         if (local.mass.empty())
           {
-            local.mass     = operators.velocity_matrix(cell.size, rho, 0., symmetric);
-            local.viscous  = operators.velocity_matrix(cell.size, 0., mu, symmetric);
-            local.grad_div = operators.grad_div_matrix(cell.size);
+            local.mass    = operators.velocity_matrix(cell.size, rho, 0., symmetric);
+            local.viscous = operators.velocity_matrix(cell.size, 0., mu, symmetric);
           }
         for (unsigned int i = 0; i < n_u; ++i)
           u[i] = space.velocity.local_element(space.velocity_dofs(c)[i]);
@@ -712,11 +711,22 @@ namespace feib
         };
         result.kinetic_energy += .5 * quadratic(local.mass);
         result.dissipation += quadratic(local.viscous);
-        result.divergence += quadratic(local.grad_div);
 
         double det = 1;
         for (unsigned int a = 0; a < dim; ++a)
           det *= cell.size[a];
+        for (unsigned int q = 0; q < CellOperators<dim>::n_q; ++q)
+          {
+            double divergence = 0;
+            for (unsigned int a = 0; a < dim; ++a)
+              {
+                double derivative = 0;
+                for (unsigned int i = 0; i < n; ++i)
+                  derivative += operators.dphi[a][q][i] * u[a * n + i];
+                divergence += derivative / cell.size[a];
+              }
+            result.divergence += det * operators.weights[q] * divergence * divergence;
+          }
         double mean[dim] = {}, moment[dim][dim] = {}; // int u_a, int x_b u_a
         for (unsigned int a = 0; a < dim; ++a)
           {
@@ -752,9 +762,8 @@ namespace feib
     const MPI_Comm communicator = space.communicator();
     result.kinetic_energy       = dealii::Utilities::MPI::sum(result.kinetic_energy, communicator);
     result.dissipation          = dealii::Utilities::MPI::sum(result.dissipation, communicator);
-    result.divergence =
-      std::sqrt(std::max(0., dealii::Utilities::MPI::sum(result.divergence, communicator)));
-    result.momentum         = dealii::Utilities::MPI::sum(result.momentum, communicator);
+    result.divergence = std::sqrt(dealii::Utilities::MPI::sum(result.divergence, communicator));
+    result.momentum   = dealii::Utilities::MPI::sum(result.momentum, communicator);
     result.angular_momentum = dealii::Utilities::MPI::sum(result.angular_momentum, communicator);
     result.largest_velocity =
       std::sqrt(dealii::Utilities::MPI::max(result.largest_velocity, communicator));

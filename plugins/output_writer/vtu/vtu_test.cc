@@ -122,7 +122,7 @@ namespace
       if (dim == 3 || face[0] != 'z')
         faces += (faces.empty() ? "\"" : ", \"") + std::string(face) + R"(": {"outflow": {}})";
     auto space = feib::testing::make_space<dim>(
-      std::string(dim == 2 ? R"({"cells": [3, 4])" : R"({"cells": [2, 3, 2])") +
+      std::string(dim == 2 ? R"({"cells": [4, 3])" : R"({"cells": [2, 3, 2])") +
       R"(, "boundary": {)" + faces + "}}");
     feib::testing::refine_where(*space, [](const auto &x) { return x[0] < .5; });
 
