@@ -226,7 +226,9 @@ namespace feib
 
         const auto before = mesh.get_checksum();
         mesh.execute_coarsening_and_refinement();
-        const bool new_mesh = mesh.get_checksum() != before;
+        // The checksum is rank 0's; the others have none.
+        const int  differs  = mesh.get_checksum() != before;
+        const bool new_mesh = dealii::Utilities::MPI::max(differs, mpi_communicator) != 0;
         changed             = changed || new_mesh;
 
         distribute_dofs();
