@@ -182,6 +182,8 @@ namespace feib
               case_parameters.child("coupling").template create<CouplingOperator<dim>>();
 
           const Parameters block = slot.choice().second;
+          if (structure.model->name() == "fluid")
+            block.fail("name", "found \"fluid\", the name of the fluid's own files");
           if (!names.insert(structure.model->name()).second)
             block.fail("name",
                        "found \"" + structure.model->name() +

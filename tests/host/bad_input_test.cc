@@ -145,6 +145,19 @@ TEST_F(BadInput, StructureOutsideTheBox)
      "the box"});
 }
 
+TEST_F(BadInput, NamesOfStructuresThatClash)
+{
+  const std::string disc =
+    R"("mesh": { "disc": { "centre": [0.5, 0.5], "radius": 0.2, "rings": 2 } },
+  "law": { "neo_hookean": { "shear_modulus": 1 } } } })";
+  refused(with_structure(R"({ "hyperelastic": { "name": "fluid", )" + disc),
+          {"case.json:6:29: error: /structures/0/hyperelastic/name: found \"fluid\", the name of "
+           "the fluid's own files"});
+  refused(with_structure(R"({ "hyperelastic": { "name": "a", )" + disc + ",\n" +
+                         R"({ "hyperelastic": { "name": "a", )" + disc),
+          {"case.json:8:29: error: /structures/1/hyperelastic/name: found \"a\" a second time"});
+}
+
 TEST_F(BadInput, InvertedElements)
 {
   refused(

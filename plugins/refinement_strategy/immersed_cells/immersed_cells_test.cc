@@ -120,10 +120,14 @@ namespace
         EXPECT_GE(l, settings.minimum_level);
         EXPECT_LE(l, settings.level);
         if (nearest[0] < settings.buffer - 1e-6)
-          EXPECT_EQ(l, settings.level) << cell.lower << " is " << nearest[0] << " cells away";
+          {
+            EXPECT_EQ(l, settings.level) << cell.lower << " is " << nearest[0] << " cells away";
+          }
         if (l > settings.minimum_level)
-          // The points are a sample of the structure: half a cell of slack.
-          EXPECT_LE(nearest[1], reach(l) + .5) << cell.lower << " has level " << l;
+          {
+            // The points are a sample of the structure: half a cell of slack.
+            EXPECT_LE(nearest[1], reach(l) + .5) << cell.lower << " has level " << l;
+          }
       }
 
     // Every point is in a cell of the finest level.

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Trouble while running: a clear message, the last good state on disk, exit code 1.
+#include "support/run_host.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace
+{
+  using namespace feib::testing;
+
+  const char *const elliptic_membrane = FEIB_SOURCE "/cases/elliptic_membrane/case.json";
+
+  bool
+  holds(const std::string &text, const std::string &part)
+  {
+    return text.find(part) != std::string::npos;
+  }
+} // namespace
+
+TEST(RunFailure, AnUnstableStepEndsWithTheLastGoodState)
+{
+  for (const unsigned int ranks : {1, 2})
+    {
+      const TemporaryFolder folder;
+      // Closed walls and a time step far beyond the limit of the explicit scheme.
+      const RunResult run =
+        run_host(shell_quoted(elliptic_membrane) + " --output " + shell_quoted(folder / "out") +
+                   " --set /domain/periodic=[] --set /domain/cells=[16,16]"
+                   " --set /time/step=0.1 --set /time/end=10",
+                 ranks);
+      EXPECT_EQ(run.exit_code, 1) << run.output;
+      EXPECT_TRUE(holds(run.output, "error: the structure \"membrane\" leaves the box: node"))
+        << run.output;
+      const auto summary = read_json(folder / "out/summary.json");
+      EXPECT_EQ(summary["status"], "failed");
+      EXPECT_TRUE(holds(summary["message"], "leaves the box"));
+      EXPECT_TRUE(holds(read_file(folder / "out/log.txt"), "leaves the box"));
+
+      // The last row of the ledger and the last output are of the step the message names.
+      const int steps = summary["steps"];
+      EXPECT_TRUE(
+        holds(summary["message"], "the last good state is step " + std::to_string(steps)));
+      char last[32];
+      std::snprintf(last, sizeof last, "fluid_%06d.pvtu", steps);
+      EXPECT_TRUE(std::filesystem::exists(folder / (std::string("out/") + last)));
+      std::istringstream ledger(read_file(folder / "out/ledger.csv"));
+      std::string line;
+      int rows = -1; // the header
+      while (std::getline(ledger, line))
+        {
+          EXPECT_FALSE(holds(line, "nan") || holds(line, "inf")) << line;
+          ++rows;
+        }
+      EXPECT_EQ(rows, steps + 1);
+    }
+}
+
+TEST(RunFailure, AFileThatCannotBeWrittenIsNamed)
+{
+  for (const std::string file : {"ledger.csv", "fluid.pvd", "summary.json"})
+    {
+      const TemporaryFolder folder;
+      std::filesystem::create_directories(folder / ("out/" + file + "/in_the_way"));
+      const RunResult run = run_host(shell_quoted(elliptic_membrane) + " --overwrite --output " +
+                                     shell_quoted(folder / "out") +
+                                     " --set /domain/cells=[8,8] --set /time/end=0.001 "
+                                     "--set '/output=[{\"ledger_csv\": {}}, {\"vtu\": {}}]'");
+      EXPECT_EQ(run.exit_code, 1) << run.output;
+      EXPECT_TRUE(holds(run.output, file)) << run.output;
+    }
+}
+
+TEST(RunFailure, ASolverThatDoesNotConvergeSaysHowFarItCame)
+{
+  const TemporaryFolder folder;
+  const RunResult run =
+    run_host(shell_quoted(FEIB_SOURCE "/cases/cavity_disc/case.json") + " --output " +
+             shell_quoted(folder / "out") +
+             " --set /domain/cells=[8,8] --set '/fluid/navier_stokes/convection=\"implicit\"' "
+             "--set /fluid/navier_stokes/max_iterations=1 --set /time/end=0.02");
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_TRUE(holds(run.output, "did not reach its tolerance in 1 iterations; relative residuals:"))
+    << run.output;
+  EXPECT_EQ(read_json(folder / "out/summary.json")["steps"], 0);
+}
