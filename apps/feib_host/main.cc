@@ -10,7 +10,6 @@
 #include <deal.II/base/mpi.h>
 
 #include <csignal>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
@@ -112,6 +111,8 @@ namespace
       std::filesystem::create_directories(directory, error);
       if (error)
         return "cannot make the folder " + directory + ": " + error.message();
+      // The summary of an earlier run would speak for this one until its end.
+      std::filesystem::remove(std::filesystem::path(directory) / "summary.json", error);
       std::ofstream file(std::filesystem::path(directory) / "resolved.json");
       file << resolved << '\n' << std::flush;
       return file ? "" : "cannot write into " + directory;
@@ -155,9 +156,7 @@ namespace
   bool
   stop_requested()
   {
-    signal_received =
-      dealii::Utilities::MPI::max(static_cast<int>(signal_received), MPI_COMM_WORLD);
-    return signal_received != 0;
+    return dealii::Utilities::MPI::max(static_cast<int>(signal_received), MPI_COMM_WORLD) != 0;
   }
 
 
@@ -170,8 +169,6 @@ namespace
     log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
     simulation.run({command.output, show, stop_requested});
     log::status("");
-    if (stop_requested())
-      throw RunFailure(std::string("stopped by signal ") + strsignal(signal_received));
     log::info("done, results in " + command.output);
   }
 

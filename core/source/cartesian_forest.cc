@@ -72,7 +72,8 @@ namespace feib
   CartesianForest<dim>::inside(const dealii::Point<dim> &x) const
   {
     for (unsigned int a = 0; a < dim; ++a)
-      if (!std::isfinite(x[a]) || (!periodic[a] && !(x[a] >= lower[a] && x[a] <= upper[a])))
+      if (!(std::abs((x[a] - lower[a]) * inverse_size[a]) < 1e9) ||
+          (!periodic[a] && !(x[a] >= lower[a] && x[a] <= upper[a])))
         return false;
     return true;
   }

@@ -73,6 +73,14 @@ namespace feib
     for (unsigned int a = 0; a < dim; ++a)
       cells[a] = numbers[a];
 
+    double n_cells = 1;
+    for (unsigned int a = 0; a < dim; ++a)
+      n_cells *= cells[a];
+    if (n_cells > 1e8)
+      parameters.fail("cells",
+                      "found " + std::to_string(n_cells) +
+                        " cells in all, at most 1e8 are allowed");
+
     const std::vector<std::string> periodic_directions = parameters.expressions("periodic");
     for (unsigned int i = 0; i < periodic_directions.size(); ++i)
       {

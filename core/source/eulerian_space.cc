@@ -145,6 +145,11 @@ namespace feib
             dealii::VectorTools::interpolate_boundary_values(
               cartesian_mapping, velocity_dof_handler, f, values, velocity_constraints, mask);
           }
+    // A chain of periodic and hanging constraints may pass cells this rank does not know.
+    if (dealii::Utilities::MPI::n_mpi_processes(mpi_communicator) > 1)
+      velocity_constraints.make_consistent_in_parallel(velocity_dof_handler.locally_owned_dofs(),
+                                                       relevant_velocity,
+                                                       mpi_communicator);
     velocity_constraints.close();
   }
 
@@ -227,7 +232,7 @@ namespace feib
         const auto before = mesh.get_checksum();
         mesh.execute_coarsening_and_refinement();
         // The checksum is rank 0's; the others have none.
-        const int  differs  = mesh.get_checksum() != before;
+        const int differs   = mesh.get_checksum() != before;
         const bool new_mesh = dealii::Utilities::MPI::max(differs, mpi_communicator) != 0;
         changed             = changed || new_mesh;
 
@@ -241,8 +246,15 @@ namespace feib
         old_velocity.swap(moved[1]);
         older_velocity.swap(moved[2]);
         pressure.swap(moved_pressure);
-        for (VelocityVector *v : {&velocity, &old_velocity, &older_velocity})
-          distribute(*v, false);
+        distribute(velocity, false);
+        // The boundary values of the older states are of their own times.
+        for (VelocityVector *v : {&old_velocity, &older_velocity})
+          {
+            v->update_ghost_values();
+            for (const ConstraintLine &line : constraint_lines)
+              if (line.begin < line.end)
+                v->local_element(line.unknown) = value_from_masters(*v, line) + line.value;
+          }
         pressure.update_ghost_values();
         if (!new_mesh)
           break;
@@ -286,16 +298,25 @@ namespace feib
 
 
   template <int dim>
+  double
+  EulerianSpace<dim>::value_from_masters(const VelocityVector &v, const ConstraintLine &line) const
+  {
+    double value = 0;
+    for (unsigned int k = line.begin; k < line.end; ++k)
+      value += constraint_weights[k] * v.local_element(constraint_masters[k]);
+    return value;
+  }
+
+
+  template <int dim>
   void
   EulerianSpace<dim>::distribute(VelocityVector &v, const bool homogeneous) const
   {
     v.update_ghost_values();
     for (const ConstraintLine &line : constraint_lines)
       {
-        double value = homogeneous ? 0. : line.value;
-        for (unsigned int k = line.begin; k < line.end; ++k)
-          value += constraint_weights[k] * v.local_element(constraint_masters[k]);
-        v.local_element(line.unknown) = value;
+        v.local_element(line.unknown) =
+          value_from_masters(v, line) + (homogeneous ? 0. : line.value);
       }
   }
 

@@ -57,6 +57,17 @@ TEST(RunFailure, AnUnstableStepEndsWithTheLastGoodState)
     }
 }
 
+TEST(RunFailure, APeriodicBoxHasNoOutsideButElementsAreNotLongerThanIt)
+{
+  const TemporaryFolder folder;
+  const RunResult run =
+    run_host(shell_quoted(elliptic_membrane) + " --output " + shell_quoted(folder / "out") +
+             " --set /domain/cells=[16,16] --set /time/step=0.05 --set /time/end=5 --set /output=[]"
+             " --set '/refinement={\"immersed_cells\": {\"level\": 1, \"interval\": 1}}'");
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_TRUE(holds(run.output, "one of its elements is longer than the box")) << run.output;
+}
+
 TEST(RunFailure, AFileThatCannotBeWrittenIsNamed)
 {
   for (const std::string file : {"ledger.csv", "fluid.pvd", "summary.json"})

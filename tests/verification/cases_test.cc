@@ -50,6 +50,7 @@ TEST_P(Cases, AsExpected)
     {
       const Json found = summary.at(Json::json_pointer(pointer));
       std::cout << pointer << " = " << found << ", expected " << rule << std::endl;
+      ASSERT_EQ(rule.size(), rule.contains("near") ? 2u : 1u) << pointer << ": one rule each";
       if (rule.contains("is"))
         EXPECT_EQ(found, rule["is"]) << pointer;
       else if (rule.contains("at_most"))

@@ -30,7 +30,7 @@ TEST(MembraneCircle, PressureIsExactWithinOnePerCentAwayFromTheCurve)
   structures[0].nodes  = LagrangianPoints::nodes(structures[0].model->mesh().n_nodes());
   const auto fluid =
     feib::testing::registry().create<FluidSolver<2>>("navier_stokes",
-                                               "{\"density\": 1, \"viscosity\": 1}");
+                                                     "{\"density\": 1, \"viscosity\": 1}");
   const auto scheme = feib::testing::registry().create<TimeIntegrator<2>>("fe_be");
   Timers timers;
   TimeIntegrator<2>::System system{*space, *fluid, structures, timers};
@@ -69,7 +69,7 @@ TEST(RelaxingEllipse, AreaLossAndEnergyLossAreOneNumber)
   // Gastaldi's ellipse ends as a circle with 0.8 (1 - q) of its energy if it lost the part q of its
   // area.
   const feib::testing::TemporaryFolder temporary;
-  const std::string curve      = "/structures/0/membrane/mesh/closed_curve";
+  const std::string curve            = "/structures/0/membrane/mesh/closed_curve";
   const feib::testing::RunResult run = feib::testing::run_host(
     feib::testing::shell_quoted(FEIB_SOURCE "/cases/membrane_circle/case.json") + " --output " +
     feib::testing::shell_quoted(temporary / "results") +

@@ -89,6 +89,19 @@ TEST(Ranks, MembraneInAPeriodicBox)
   compare("elliptic_membrane", "--set /time/end=0.02 --set /domain/cells=[16,16]");
 }
 
+TEST(Ranks, MembraneAcrossTheCornerOfAPeriodicBoxOnAMeshThatFollowsIt)
+{
+  // Cells refined at the corner: chains of periodic and hanging constraints between ranks.
+  compare(
+    "elliptic_membrane",
+    "--set /time/step=0.002 --set /time/end=0.024 --set /domain/cells=[8,8] "
+    "--set '/structures/0/membrane/initial_position=[\"0.98+0.1*cos(s1/R)\", "
+    "\"0.97+0.15*sin(s1/R)\"]' "
+    "--set '/fluid/navier_stokes={\"density\": 1, \"viscosity\": 0.1, \"initial_velocity\": "
+    "[\"sin(2*pi*y)\", 0.3]}' "
+    "--set '/refinement={\"immersed_cells\": {\"level\": 3, \"buffer\": 0, \"interval\": 2}}'");
+}
+
 TEST(Ranks, DrivenCavityWithImplicitConvection)
 {
   compare("cavity_disc",

@@ -33,7 +33,7 @@ namespace feib
     /// directions wrap.
     unsigned int locate(const dealii::Point<dim> &x, dealii::Point<dim> &unit) const;
 
-    /// Whether x is finite and in the box (always true along periodic directions).
+    /// Whether x is finite and in the box (along periodic directions: not absurdly far away).
     bool inside(const dealii::Point<dim> &x) const;
 
   private:

@@ -151,6 +151,8 @@ namespace feib
       unsigned int unknown, begin, end;
       double value;
     };
+    double value_from_masters(const VelocityVector &v, const ConstraintLine &line) const;
+
     std::vector<ConstraintLine> constraint_lines;
     std::vector<unsigned int> constraint_masters;
     std::vector<double> constraint_weights;

@@ -36,6 +36,20 @@ namespace feib
     const std::vector<unsigned int> hierarchic =
       dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(2);
 
+    const dealii::QGauss<dim - 1> face_quadrature(4);
+    for (unsigned int q = 0; q < n_face_q; ++q)
+      {
+        face_weights[q] = face_quadrature.weight(q);
+        for (unsigned int f = 0; f < 2 * dim; ++f)
+          {
+            dealii::Point<dim> x;
+            for (unsigned int a = 0, k = 0; a < dim; ++a)
+              x[a] = a == f / 2 ? f % 2 : face_quadrature.point(q)[k++];
+            for (unsigned int i = 0; i < n; ++i)
+              face_phi[f][q][i] = velocity.shape_value(hierarchic[i], x);
+          }
+      }
+
     points = quadrature.get_points();
     for (unsigned int q = 0; q < n_q; ++q)
       {
@@ -112,7 +126,8 @@ namespace feib
   CellOperators<dim>::convection_matrix(const Size &size,
                                         const double *w,
                                         const double rho,
-                                        const bool skew) const
+                                        const bool skew,
+                                        const unsigned int outflow_faces) const
   {
     const double det = volume(size);
     std::vector<double> matrix(n * n, 0.);
@@ -135,7 +150,31 @@ namespace feib
             matrix[i * n + j] +=
               factor * (phi[q][i] * advected[j] - (skew ? advected[i] * phi[q][j] : 0.));
       }
+    if (skew)
+      for (unsigned int f = 0; f < 2 * dim; ++f)
+        if (outflow_faces & (1U << f))
+          for (unsigned int q = 0; q < n_face_q; ++q)
+            {
+              const double factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
+              for (unsigned int i = 0; i < n; ++i)
+                for (unsigned int j = 0; j < n; ++j)
+                  matrix[i * n + j] += factor * face_phi[f][q][i] * face_phi[f][q][j];
+            }
     return matrix;
+  }
+
+
+  template <int dim>
+  double
+  CellOperators<dim>::face_flux(const Size &size,
+                                const unsigned int f,
+                                const unsigned int q,
+                                const double *w) const
+  {
+    double result = 0;
+    for (unsigned int i = 0; i < n; ++i)
+      result += face_phi[f][q][i] * w[f / 2 * n + i];
+    return result * (f % 2 == 0 ? -1. : 1.) * volume(size) / size[f / 2];
   }
 
 
@@ -146,7 +185,8 @@ namespace feib
                                      const double *u,
                                      const double rho,
                                      const bool skew,
-                                     double *result) const
+                                     double *result,
+                                     const unsigned int outflow_faces) const
   {
     const double det = volume(size);
     for (unsigned int q = 0; q < n_q; ++q)
@@ -181,6 +221,21 @@ namespace feib
               result[c * n + i] += derivative * phi[q][i] - value * advected[i];
           }
       }
+    if (skew)
+      for (unsigned int f = 0; f < 2 * dim; ++f)
+        if (outflow_faces & (1U << f))
+          for (unsigned int q = 0; q < n_face_q; ++q)
+            {
+              const double factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
+              for (unsigned int c = 0; c < dim; ++c)
+                {
+                  double value = 0;
+                  for (unsigned int i = 0; i < n; ++i)
+                    value += face_phi[f][q][i] * u[c * n + i];
+                  for (unsigned int i = 0; i < n; ++i)
+                    result[c * n + i] += factor * value * face_phi[f][q][i];
+                }
+            }
   }
 
 

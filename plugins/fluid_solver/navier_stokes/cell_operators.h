@@ -36,9 +36,14 @@ namespace feib
 
     /// The matrix (n x n) of one component of rho b(w; u, v), the convection with velocity w
     /// (n_u values): rho/2 [(w . grad u, v) - (w . grad v, u)] if @p skew, else rho (w . grad u,
-    /// v).
-    std::vector<double>
-    convection_matrix(const Size &size, const double *w, double rho, bool skew) const;
+    /// v). The skew form alone would put a traction rho/2 (w . n) u on faces that fluid crosses
+    /// freely; rho/2 int (w . n) u . v over the faces f with bit f set in @p outflow_faces takes it
+    /// away.
+    std::vector<double> convection_matrix(const Size &size,
+                                          const double *w,
+                                          double rho,
+                                          bool skew,
+                                          unsigned int outflow_faces = 0) const;
 
     /// result += rho b(w; u, v) for all v.
     void add_convection(const Size &size,
@@ -46,7 +51,8 @@ namespace feib
                         const double *u,
                         double rho,
                         bool skew,
-                        double *result) const;
+                        double *result,
+                        unsigned int outflow_faces = 0) const;
 
     /// Integrals of the shape functions, int phi_i, and of x_a phi_i with x from the cell's corner,
     /// on the unit cell.
@@ -60,6 +66,14 @@ namespace feib
     double dphi[dim][n_q][n];
 
   private:
+    /// w . n times the measure of face f, at its Gauss point q.
+    double face_flux(const Size &size, unsigned int f, unsigned int q, const double *w) const;
+
+    static constexpr unsigned int n_face_q = dim == 2 ? 4 : 16;
+
+    double face_phi[2 * dim][n_face_q][n]; // at the Gauss points of each face
+    double face_weights[n_face_q];
+
     double mass[n][n];
     double stiffness[dim][dim][n][n]; // [a][b][i][j]: int d_a phi_i d_b phi_j
     double divergence[dim][n_p][n];   // [a][k][j]: int q_k d_a phi_j

@@ -77,6 +77,8 @@ namespace feib
 
     void prepare(const Space &space, double dt);
 
+    void find_outflow_faces(const Space &space);
+
     void factorize_stokes(const Space &space);
 
     void factorize_oseen(const Space &space, const VelocityVector &w);
@@ -123,6 +125,7 @@ namespace feib
     unsigned int revision = 0;
     double factor_dt      = 0;
     std::vector<LevelMatrices> levels;
+    std::vector<unsigned int> outflow_faces; // per cell, bit f for face f
     DirectSolver<dim> direct;
     VelocityVector body_force_load;
     double boundary_power = 0;
@@ -216,9 +219,31 @@ namespace feib
     levels = level_matrices(space, rho / dt);
     if (revision != space.revision() && body_force && !body_force_varies)
       body_force_load = body_force_vector(space, 0.);
+    if (revision != space.revision())
+      find_outflow_faces(space);
     revision  = space.revision();
     factor_dt = dt;
     factorize_stokes(space);
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::find_outflow_faces(const Space &space)
+  {
+    const Domain<dim> &box = space.domain();
+    outflow_faces.assign(space.cells().size(), 0);
+    for (unsigned int f = 0; f < 2 * dim; ++f)
+      if (box.faces[f].condition == BoundaryCondition::outflow)
+        for (unsigned int c = 0; c < space.cells().size(); ++c)
+          {
+            const auto &cell      = space.cells()[c];
+            const double distance = f % 2 == 0
+                                      ? cell.lower[f / 2] - box.lower[f / 2]
+                                      : box.upper[f / 2] - cell.lower[f / 2] - cell.size[f / 2];
+            if (std::abs(distance) < .5 * cell.size[f / 2])
+              outflow_faces[c] |= 1U << f;
+          }
   }
 
 
@@ -254,7 +279,7 @@ namespace feib
         for (unsigned int i = 0; i < n_u; ++i)
           local_w[i] = w.local_element(space.velocity_dofs(c)[i]);
         const std::vector<double> convective =
-          operators.convection_matrix(cell.size, local_w, rho, skew);
+          operators.convection_matrix(cell.size, local_w, rho, skew, outflow_faces[c]);
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
             matrix(i, j) =
@@ -330,7 +355,7 @@ namespace feib
             local[i]   = 0;
           }
         operators.add_convection(
-          space.cells()[c].size, local_w, local_u, factor * rho, skew, local);
+          space.cells()[c].size, local_w, local_u, factor * rho, skew, local, outflow_faces[c]);
         for (unsigned int i = 0; i < n_u; ++i)
           result.local_element(dofs[i]) += local[i];
       }
@@ -503,11 +528,14 @@ namespace feib
         catch (const dealii::SolverControl::NoConvergence &failure)
           {
             iterations += failure.last_step;
-            if (last_try || convection != Convection::implicit)
+            if (last_try)
               throw RunFailure("the linear solver stopped after " + std::to_string(iterations) +
                                " iterations at residual " + std::to_string(failure.last_residual));
-            log::debug("factorising the fluid matrix anew, with convection");
-            factorize_oseen(space, u);
+            if (convection == Convection::implicit)
+              {
+                log::debug("factorising the fluid matrix anew, with convection");
+                factorize_oseen(space, u);
+              }
             solution = 0.;
           }
       }
@@ -521,7 +549,6 @@ namespace feib
   void
   NavierStokes<dim>::remove_mean_pressure(Space &space) const
   {
-    const dealii::FE_DGP<dim> element(1);
     double integral = 0, volume = 0;
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
@@ -630,7 +657,8 @@ namespace feib
                 flux = dealii::Utilities::MPI::sum(flux, space.communicator());
                 if (std::abs(flux) > 1e-8 * size.divergence_scale)
                   throw RunFailure(
-                    "the prescribed boundary velocities carry a net flux of " +
+                    "the prescribed boundary velocities, as interpolated on this mesh, carry a "
+                    "net flux of " +
                     std::to_string(flux) +
                     " out of the box, which is closed: give a face the condition outflow");
               }
