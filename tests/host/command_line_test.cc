@@ -204,7 +204,7 @@ TEST_F(CommandLine, ASignalEndsTheRunInOrder)
 {
   const RunResult result = run_command(
     host_command() +
-      " case.json --output out --set /time/step=1e-4 --set /time/end=1e6 --set /output=[] & "
+      " case.json --output out --set /time/step=1e-4 --set /time/end=1e4 --set /output=[] & "
       "pid=$!; "
       "until [ -e out/log.txt ]; do kill -0 $pid || exit 99; done; kill -TERM $pid; wait $pid",
     folder.path.string());
