@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "error_norms.h"
 #include "json.h"
+#include "step_control.h"
 
 #include <feib/expression.h>
 #include <feib/ledger.h>
@@ -11,13 +13,13 @@
 #include <feib/version.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/quadrature_lib.h>
-#include <deal.II/fe/fe_values.h>
 
 #include <sys/resource.h>
 
 #include <chrono>
 #include <fstream>
+#include <iomanip>
+#include <limits>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -53,9 +55,14 @@ namespace feib
       /// Sums over time.
       struct Totals
       {
-        double dissipated = 0, boundary_work = 0, body_work = 0;
-        double linear_iterations = 0, nonlinear_iterations = 0;
-        double largest_increase = 0;
+        double dissipated = 0, convected = 0, numerical = 0, boundary_work = 0, body_work = 0;
+        double remeshing         = 0; // kinetic energy gained by moving u to another mesh
+        double linear_iterations = 0, nonlinear_iterations = 0, geometry_iterations = 0;
+        double largest_increase = -std::numeric_limits<double>::infinity();
+        double largest_closure  = 0;
+        double smallest_dt      = std::numeric_limits<double>::infinity();
+        double largest_dt       = 0;
+        std::vector<double> leak, time_error; // per structure, of its measure
       };
 
       template <class Build>
@@ -65,17 +72,35 @@ namespace feib
 
       bool adapt();
 
-      void take_step(double dt);
+      void refine();
+
+      typename TimeIntegrator<dim>::System
+      system()
+      {
+        return {*space, *fluid, structures, timers};
+      }
+
+      void initialize();
+
+      StepControl::State control_state();
+
+      /// One step of the control's choice, shortened until it succeeds.
+      void advance();
+
+      void take_step(double dt, double new_time);
 
       void check_state() const;
+
+      /// Throws RunFailure when the energy grows though no work is done.
+      void check_energy();
+
+      std::string stability_sentence(double dt);
 
       void add_ledger_row(double dt, const typename TimeIntegrator<dim>::Report &report);
 
       void write_outputs(const std::string &directory, bool always);
 
       Json summary(const std::string &status, const std::string &message) const;
-
-      Json errors() const;
 
       void write_summary(const std::string &directory,
                          const std::string &status,
@@ -89,13 +114,16 @@ namespace feib
       std::unique_ptr<RefinementStrategy<dim>> refinement;
       std::vector<std::unique_ptr<OutputWriter<dim>>> writers;
       std::unique_ptr<dealii::Function<dim>> exact_velocity, exact_pressure;
-      double time_step = 0, end_time = 0;
-      unsigned int n_steps = 0;
+      std::unique_ptr<StepControl> control;
+      std::string integrator_name;
+      double end_time = 0, energy_growth = 0;
 
       Timers timers;
       Ledger ledger;
       Totals totals;
       double energy_before_step = 0; // on the mesh the step is taken on
+      double displacement_error = -1;
+      unsigned int retries      = 0;
       unsigned int step         = 0;
       double time               = 0;
       std::vector<double> step_seconds;
@@ -134,16 +162,17 @@ namespace feib
       build_structures(parameters, issues);
 
       const Parameters time_parameters = parameters.child("time");
-      time_step                        = time_parameters.number("step");
       end_time                         = time_parameters.number("end");
+      energy_growth                    = time_parameters.number("energy_growth");
+      integrator_name                  = time_parameters.child("integrator").choice().first;
       collect(issues, [&] {
-        // A rest that is a step but for round-off is a whole step.
-        const double steps = std::ceil(end_time / time_step - 1e-6);
-        if (!(steps <= 1e9))
-          time_parameters.fail("step",
-                               "the end is " + std::to_string(end_time / time_step) +
-                                 " steps away, at most 1e9 are allowed");
-        n_steps = std::max(1., steps);
+        if (!space)
+          return;
+        const auto size = space->domain().upper - space->domain().lower;
+        double shortest = size[0];
+        for (unsigned int a = 1; a < dim; ++a)
+          shortest = std::min(shortest, size[a]);
+        control = std::make_unique<StepControl>(time_parameters, shortest);
       });
       collect(issues, [&] {
         integrator = time_parameters.child("integrator").template create<TimeIntegrator<dim>>();
@@ -227,6 +256,24 @@ namespace feib
 
     template <int dim>
     void
+    SimulationInDimension<dim>::refine()
+    {
+      if (refinement->interval() == 0 || step % refinement->interval() != 0)
+        return;
+      const double before = fluid->balance(*space).kinetic_energy;
+      if (!adapt())
+        return;
+      // Moving the velocity to another mesh is no work of the scheme.
+      const double gained = fluid->balance(*space).kinetic_energy - before;
+      energy_before_step += gained;
+      totals.remeshing += gained;
+      log::debug("step " + std::to_string(step) + ": " +
+                 std::to_string(space->triangulation().n_global_active_cells()) + " cells");
+    }
+
+
+    template <int dim>
+    void
     SimulationInDimension<dim>::check_state() const
     {
       // Everything here is the same on all ranks.
@@ -256,14 +303,143 @@ namespace feib
 
     template <int dim>
     void
-    SimulationInDimension<dim>::take_step(const double dt)
+    SimulationInDimension<dim>::initialize()
+    {
+      adapt();
+      fluid->initialize(*space);
+      space->old_velocity   = space->velocity;
+      space->older_velocity = space->velocity;
+      for (ImmersedStructure<dim> &structure : structures)
+        {
+          structure.motion->set_geometry(*space,
+                                         structure.model->mesh(),
+                                         structure.model->positions,
+                                         structure.nodes);
+          structure.motion->interpolate(*space, space->velocity, structure.model->velocities);
+        }
+      totals.leak.assign(structures.size(), 0.);
+      totals.time_error.assign(structures.size(), 0.);
+
+      std::ostringstream message;
+      message << space->triangulation().n_global_active_cells() << " cells, "
+              << space->velocity_handler().n_dofs() << " velocity and "
+              << space->pressure_handler().n_dofs() << " pressure unknowns";
+      for (const ImmersedStructure<dim> &structure : structures)
+        message << "; structure \"" << structure.model->name()
+                << "\": " << structure.model->mesh().n_nodes() << " nodes, "
+                << structure.model->mesh().n_elements() << " elements";
+      log::info(message.str());
+      add_ledger_row(0., {});
+
+      const double dt = control->start(control_state());
+      if (dt > integrator->stability_limit(system()).dt)
+        log::warning(stability_sentence(dt));
+    }
+
+
+    template <int dim>
+    StepControl::State
+    SimulationInDimension<dim>::control_state()
+    {
+      const double dt = ledger.last("dt");
+      return {dt > 0 ? ledger.last("cfl") / dt : fluid->balance(*space).cfl_rate,
+              integrator->stability_limit(system()).dt,
+              displacement_error};
+    }
+
+
+    template <int dim>
+    std::string
+    SimulationInDimension<dim>::stability_sentence(const double dt)
+    {
+      const auto limit = integrator->stability_limit(system());
+      std::ostringstream text;
+      text << std::setprecision(2) << "dt = " << dt;
+      if (dt > limit.dt)
+        {
+          // Rounded down.
+          const double digit = std::pow(10., std::floor(std::log10(limit.dt)) - 1);
+          text << " exceeds the estimated limit " << limit.dt << " of " << integrator_name
+               << " for structure \"" << limit.structure
+               << "\"; use lagged_be or dt <= " << std::floor(limit.dt / digit) * digit;
+        }
+      else if (std::isfinite(limit.dt))
+        text << " is below the estimated limit " << limit.dt << " of " << integrator_name
+             << " for structure \"" << limit.structure
+             << "\", yet the run is not stable; use lagged_be or a smaller dt";
+      else
+        text << " is too large here, though " << integrator_name
+             << " has no limit for convex energies; use a smaller dt";
+      return text.str();
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::check_energy()
+    {
+      // What was lost to viscosity, convection and the scheme is energy from nowhere when it is
+      // negative; but convection through an open boundary brings some.
+      const bool enclosed = space->domain().enclosed();
+      const double gained =
+        -(totals.dissipated + totals.numerical + (enclosed ? totals.convected : 0.));
+      const double scale = std::abs(ledger.value("total_energy", 0)) +
+                           std::abs(totals.boundary_work) + std::abs(totals.body_work) +
+                           (enclosed ? 0. : std::abs(totals.convected));
+      if (gained > energy_growth * scale)
+        {
+          std::ostringstream text;
+          text << std::setprecision(2) << "the energy has grown by " << 100 * gained / scale
+               << " % though no work was done: " << stability_sentence(ledger.last("dt"));
+          throw RunFailure(text.str());
+        }
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::advance()
+    {
+      while (true)
+        {
+          const double dt = control->next_dt();
+          std::string reason;
+          try
+            {
+              take_step(dt, control->next_time());
+              control->accept(control_state());
+              return;
+            }
+          catch (const RunFailure &failure)
+            {
+              if (!control->halve())
+                throw;
+              reason = failure.what();
+            }
+          ++retries;
+          std::ostringstream message;
+          message << "the step from time " << time << " with dt = " << dt << " failed: " << reason
+                  << "; trying dt = " << control->next_dt();
+          log::warning(message.str());
+        }
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::take_step(const double dt, const double new_time)
     {
       const unsigned int step_before = step;
       const double time_before       = time;
+      const double error_before      = displacement_error;
       const Totals totals_before     = totals;
       std::vector<Positions<dim>> positions;
+      std::vector<NodalField<dim>> velocities;
       for (const ImmersedStructure<dim> &structure : structures)
-        positions.push_back(structure.model->positions);
+        {
+          positions.push_back(structure.model->positions);
+          velocities.push_back(structure.model->velocities);
+        }
       const PressureVector pressure = space->pressure;
       const VelocityVector older    = space->older_velocity;
       space->older_velocity         = space->old_velocity;
@@ -271,11 +447,27 @@ namespace feib
 
       try
         {
-          typename TimeIntegrator<dim>::System system{*space, *fluid, structures, timers};
-          const auto report = integrator->step(system, time, dt);
+          auto all          = system();
+          const auto report = integrator->step(all, time, dt);
           check_state();
+          displacement_error = report.displacement_error;
+          if (!control->accurate(displacement_error))
+            {
+              std::ostringstream message;
+              message << "it adds an error of about " << std::setprecision(2) << displacement_error
+                      << " to displacements";
+              throw RunFailure(message.str());
+            }
           ++step;
-          time = step == n_steps ? end_time : step * time_step;
+          time = new_time;
+          for (unsigned int s = 0; s < structures.size(); ++s)
+            {
+              const StructureModel<dim> &model = *structures[s].model;
+              const double leak                = report.exchanges[s].leak;
+              totals.leak[s] += leak;
+              totals.time_error[s] +=
+                model.measure(model.positions) - model.measure(positions[s]) - leak;
+            }
           add_ledger_row(dt, report);
           space->old_dt = dt;
         }
@@ -284,13 +476,17 @@ namespace feib
           // Back to the last good state.
           step                  = step_before;
           time                  = time_before;
+          displacement_error    = error_before;
           totals                = totals_before;
           space->velocity       = space->old_velocity;
           space->old_velocity   = space->older_velocity;
           space->older_velocity = older;
           space->pressure       = pressure;
           for (unsigned int i = 0; i < structures.size(); ++i)
-            structures[i].model->positions = positions[i];
+            {
+              structures[i].model->positions  = positions[i];
+              structures[i].model->velocities = velocities[i];
+            }
           throw;
         }
     }
@@ -305,47 +501,92 @@ namespace feib
       {
         const Timers::Section section(timers, "accounting");
         const auto balance = fluid->balance(*space);
-        double elastic     = 0;
+        double kinetic = balance.kinetic_energy, elastic = 0;
+        dealii::Tensor<1, dim> momentum       = balance.momentum;
+        dealii::Tensor<1, 3> angular_momentum = balance.angular_momentum;
         for (const ImmersedStructure<dim> &structure : structures)
-          elastic += structure.model->energy(structure.model->positions);
+          {
+            const StructureModel<dim> &model = *structure.model;
+            elastic += model.energy(model.positions);
+            for (unsigned int i = 0; i < model.excess_mass().size(); ++i)
+              {
+                const dealii::Tensor<1, dim> p = model.excess_mass()[i] * model.velocities[i];
+                const dealii::Point<dim> &X    = model.positions[i];
+                kinetic += .5 * (p * model.velocities[i]);
+                momentum += p;
+                angular_momentum[2] += X[0] * p[1] - X[1] * p[0];
+                if constexpr (dim == 3)
+                  {
+                    angular_momentum[0] += X[1] * p[2] - X[2] * p[1];
+                    angular_momentum[1] += X[2] * p[0] - X[0] * p[2];
+                  }
+              }
+          }
+        totals.dissipated += report.dissipated;
+        totals.convected += report.convected;
+        totals.numerical += report.numerical;
+        totals.boundary_work += report.boundary_work;
+        totals.body_work += report.body_work;
+        totals.linear_iterations += report.linear_iterations;
+        totals.nonlinear_iterations += report.nonlinear_iterations;
+        totals.geometry_iterations += report.geometry_iterations;
+        const double total = kinetic + elastic;
         if (step > 0)
           {
-            totals.dissipated += dt * balance.dissipation;
-            totals.boundary_work += dt * balance.boundary_power;
-            totals.body_work += dt * balance.body_force_power;
-            totals.linear_iterations += report.linear_iterations;
-            totals.nonlinear_iterations += report.nonlinear_iterations;
+            totals.largest_increase = std::max(totals.largest_increase, total - energy_before_step);
+            totals.smallest_dt      = std::min(totals.smallest_dt, dt);
+            totals.largest_dt       = std::max(totals.largest_dt, dt);
           }
-        const double total = balance.kinetic_energy + elastic;
-        if (step > 0)
-          totals.largest_increase = std::max(totals.largest_increase, total - energy_before_step);
-        energy_before_step = total;
+        energy_before_step   = total;
+        const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
+        const double closure = total - initial + totals.dissipated + totals.convected +
+                               totals.numerical - totals.boundary_work - totals.body_work -
+                               totals.remeshing;
+        totals.largest_closure = std::max(totals.largest_closure, std::abs(closure));
 
         row = {{"step", double(step)},
                {"time", time},
-               {"dt", step > 0 ? dt : 0.},
-               {"kinetic", balance.kinetic_energy},
+               {"dt", dt},
+               {"kinetic", kinetic},
                {"elastic", elastic},
                {"dissipated", totals.dissipated},
+               {"convected", totals.convected},
+               {"numerical", totals.numerical},
                {"boundary_work", totals.boundary_work},
                {"body_work", totals.body_work},
+               {"remeshing", totals.remeshing},
                {"total_energy", total},
+               {"closure", closure},
                {"largest_velocity", balance.largest_velocity},
                {"divergence", balance.divergence}};
-        for (const ImmersedStructure<dim> &structure : structures)
-          row.emplace_back("measure_" + structure.model->name(),
-                           structure.model->measure(structure.model->positions));
         for (unsigned int a = 0; a < dim; ++a)
-          row.emplace_back(std::string("momentum_") + axes[a], balance.momentum[a]);
+          row.emplace_back(std::string("momentum_") + axes[a], momentum[a]);
         for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
-          row.emplace_back(std::string("angular_momentum_") + axes[a], balance.angular_momentum[a]);
+          row.emplace_back(std::string("angular_momentum_") + axes[a], angular_momentum[a]);
         row.emplace_back("cfl", balance.cfl_rate * dt);
-        typename TimeIntegrator<dim>::System system{*space, *fluid, structures, timers};
-        for (auto &entry : integrator->diagnostics(system, dt))
+        for (unsigned int s = 0; s < structures.size(); ++s)
+          {
+            const StructureModel<dim> &model = *structures[s].model;
+            const auto exchange =
+              step > 0 ? report.exchanges[s] : typename TimeIntegrator<dim>::Exchange();
+            row.emplace_back("measure_" + model.name(), model.measure(model.positions));
+            row.emplace_back("leak_" + model.name(), totals.leak[s]);
+            row.emplace_back("time_error_" + model.name(), totals.time_error[s]);
+            row.emplace_back("power_" + model.name(), exchange.power);
+            for (unsigned int a = 0; a < dim; ++a)
+              row.emplace_back(std::string("force_") + axes[a] + "_" + model.name(),
+                               exchange.force[a]);
+            for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
+              row.emplace_back(std::string("torque_") + axes[a] + "_" + model.name(),
+                               exchange.torque[a]);
+          }
+        for (auto &entry : integrator->diagnostics(system(), dt))
           row.push_back(std::move(entry));
+        row.emplace_back("displacement_error", std::max(0., report.displacement_error));
         row.emplace_back("cells", space->triangulation().n_global_active_cells());
         row.emplace_back("linear_iterations", report.linear_iterations);
         row.emplace_back("nonlinear_iterations", report.nonlinear_iterations);
+        row.emplace_back("geometry_iterations", report.geometry_iterations);
       }
       for (const char *phase : phases)
         {
@@ -375,88 +616,6 @@ namespace feib
             writers[i]->write(snapshot);
             last_written[i] = step;
           }
-    }
-
-
-    template <int dim>
-    Json
-    SimulationInDimension<dim>::errors() const
-    {
-      // Kinks of exact pressures cut through cells: a fine composite rule.
-      const dealii::QIterated<dim> quadrature(dealii::QGauss<1>(3), 4);
-      dealii::FEValues<dim> velocity_values(space->mapping(),
-                                            space->velocity_handler().get_fe(),
-                                            quadrature,
-                                            dealii::update_values | dealii::update_gradients |
-                                              dealii::update_quadrature_points |
-                                              dealii::update_JxW_values);
-      dealii::FEValues<dim> pressure_values(space->mapping(),
-                                            space->pressure_handler().get_fe(),
-                                            quadrature,
-                                            dealii::update_values);
-      const dealii::FEValuesExtractors::Vector velocities(0);
-      const unsigned int n_q = quadrature.size();
-      std::vector<dealii::Tensor<1, dim>> u(n_q);
-      std::vector<dealii::Tensor<2, dim>> gradients(n_q);
-      std::vector<double> p(n_q);
-      constexpr double epsilon = 1e-3; // of a cell, to differentiate to fourth order
-      // |u|^2, |grad u|^2, int (p - p_h)^2, int (p - p_h), volume
-      std::array<double, 5> sums{};
-
-      exact_velocity->set_time(time);
-      if (exact_pressure)
-        exact_pressure->set_time(time);
-      dealii::Vector<double> exact(dim), forward(dim), backward(dim);
-      for (const auto &cell : space->velocity_handler().active_cell_iterators())
-        if (cell->is_locally_owned())
-          {
-            velocity_values.reinit(cell);
-            velocity_values[velocities].get_function_values(space->velocity, u);
-            velocity_values[velocities].get_function_gradients(space->velocity, gradients);
-            const typename dealii::DoFHandler<dim>::active_cell_iterator pressure_cell(
-              &space->triangulation(), cell->level(), cell->index(), &space->pressure_handler());
-            pressure_values.reinit(pressure_cell);
-            pressure_values.get_function_values(space->pressure, p);
-            const double h = epsilon * cell->extent_in_direction(0);
-            for (unsigned int q = 0; q < n_q; ++q)
-              {
-                const double weight         = velocity_values.JxW(q);
-                const dealii::Point<dim> &x = velocity_values.quadrature_point(q);
-                exact_velocity->vector_value(x, exact);
-                for (unsigned int a = 0; a < dim; ++a)
-                  sums[0] += weight * std::pow(u[q][a] - exact[a], 2);
-                for (unsigned int b = 0; b < dim; ++b)
-                  {
-                    dealii::Tensor<1, dim> shift;
-                    shift[b] = h;
-                    dealii::Tensor<1, dim> derivative;
-                    for (const auto &[steps, factor] : {std::pair(1, 8.), std::pair(2, -1.)})
-                      {
-                        exact_velocity->vector_value(x + steps * shift, forward);
-                        exact_velocity->vector_value(x - steps * shift, backward);
-                        for (unsigned int a = 0; a < dim; ++a)
-                          derivative[a] += factor * (forward[a] - backward[a]) / (12 * h);
-                      }
-                    for (unsigned int a = 0; a < dim; ++a)
-                      sums[1] += weight * std::pow(gradients[q][a][b] - derivative[a], 2);
-                  }
-                if (exact_pressure)
-                  {
-                    const double error = p[q] - exact_pressure->value(x);
-                    sums[2] += weight * error * error;
-                    sums[3] += weight * error;
-                  }
-                sums[4] += weight;
-              }
-          }
-      for (double &sum : sums)
-        sum = dealii::Utilities::MPI::sum(sum, space->communicator());
-      if (space->domain().enclosed())
-        sums[2] = std::max(0., sums[2] - sums[3] * sums[3] / sums[4]);
-      Json result = {{"velocity_l2", std::sqrt(sums[0])}, {"velocity_h1", std::sqrt(sums[1])}};
-      if (exact_pressure)
-        result["pressure_l2"] = std::sqrt(sums[2]);
-      return result;
     }
 
 
@@ -497,18 +656,24 @@ namespace feib
       result["cells"]      = space->triangulation().n_global_active_cells();
       const double steps   = std::max(1u, step);
       result["iterations"] = {{"linear_mean", totals.linear_iterations / steps},
-                              {"nonlinear_mean", totals.nonlinear_iterations / steps}};
+                              {"nonlinear_mean", totals.nonlinear_iterations / steps},
+                              {"geometry_mean", totals.geometry_iterations / steps}};
+      result["retries"]    = retries;
+      if (step > 0)
+        result["dt"] = {{"smallest", totals.smallest_dt}, {"largest", totals.largest_dt}};
       if (ledger.n_rows() > 0)
         result["energy"] = {{"kinetic", ledger.last("kinetic")},
                             {"elastic", ledger.last("elastic")},
                             {"dissipated", ledger.last("dissipated")},
+                            {"numerical", ledger.last("numerical")},
+                            {"largest_closure", totals.largest_closure},
                             {"total_initial", ledger.value("total_energy", 0)},
                             {"total_final", ledger.last("total_energy")},
-                            {"largest_increase", totals.largest_increase}};
+                            {"largest_increase", step > 0 ? totals.largest_increase : 0.}};
       result["structures"] = Json::array();
-      for (const ImmersedStructure<dim> &structure : structures)
+      for (unsigned int s = 0; s < structures.size(); ++s)
         {
-          const StructureModel<dim> &model = *structure.model;
+          const StructureModel<dim> &model = *structures[s].model;
           const std::string column         = "measure_" + model.name();
           const double measure             = model.measure(model.positions);
           const double initial = ledger.n_rows() > 0 ? ledger.value(column, 0) : measure;
@@ -530,11 +695,19 @@ namespace feib
                                           {"measure_initial", initial},
                                           {"measure_final", measure},
                                           {"relative_measure_change", measure / initial - 1},
+                                          {"relative_leak", totals.leak[s] / initial},
+                                          {"relative_time_error", totals.time_error[s] / initial},
                                           {"centroid", centre},
                                           {"extent", extent}});
         }
       if (exact_velocity)
-        result["errors"] = errors();
+        {
+          const ErrorNorms norms = error_norms(*space, time, *exact_velocity, exact_pressure.get());
+          result["errors"]       = {{"velocity_l2", norms.velocity_l2},
+                                    {"velocity_h1", norms.velocity_h1}};
+          if (exact_pressure)
+            result["errors"]["pressure_l2"] = norms.pressure_l2;
+        }
       return result;
     }
 
@@ -569,42 +742,21 @@ namespace feib
       const bool speaks = dealii::Utilities::MPI::this_mpi_process(space->communicator()) == 0;
       try
         {
-          adapt();
-          fluid->initialize(*space);
-          space->old_velocity   = space->velocity;
-          space->older_velocity = space->velocity;
-
-          std::ostringstream message;
-          message << space->triangulation().n_global_active_cells() << " cells, "
-                  << space->velocity_handler().n_dofs() << " velocity and "
-                  << space->pressure_handler().n_dofs() << " pressure unknowns";
-          for (const ImmersedStructure<dim> &structure : structures)
-            message << "; structure \"" << structure.model->name()
-                    << "\": " << structure.model->mesh().n_nodes() << " nodes, "
-                    << structure.model->mesh().n_elements() << " elements";
-          log::info(message.str());
-
-          add_ledger_row(time_step, {});
+          initialize();
           write_outputs(options.directory, true);
-          while (step < n_steps)
+          while (!control->finished())
             {
               const Clock::time_point step_start = Clock::now();
-              take_step(step + 1 == n_steps ? end_time - time : time_step);
-              if (refinement->interval() > 0 && step % refinement->interval() == 0 &&
-                  step < n_steps && adapt())
-                {
-                  // Moving the velocity to another mesh is no work of the scheme.
-                  energy_before_step +=
-                    fluid->balance(*space).kinetic_energy - ledger.last("kinetic");
-                  log::debug("step " + std::to_string(step) + ": " +
-                             std::to_string(space->triangulation().n_global_active_cells()) +
-                             " cells");
-                }
+              advance();
+              check_energy();
+              if (!control->finished())
+                refine();
               step_seconds.push_back(seconds_since(step_start));
-              write_outputs(options.directory, step == n_steps);
+              write_outputs(options.directory, control->finished());
               if (speaks && options.on_progress)
-                options.on_progress({step, time, end_time, time_step, seconds_since(start)});
-              if (step < n_steps && options.stop_requested && options.stop_requested())
+                options.on_progress(
+                  {step, time, end_time, ledger.last("dt"), seconds_since(start)});
+              if (!control->finished() && options.stop_requested && options.stop_requested())
                 throw RunFailure("stopped by a signal");
             }
         }

@@ -60,6 +60,26 @@ namespace feib
                          const NodalField<dim> &dX,
                          NodalField<dim> &dload) const override;
 
+    MatrixEntries tangent(const Positions<dim> &X) const override;
+
+    bool
+    linear() const override
+    {
+      return law->linear();
+    }
+
+    bool
+    conservative() const override
+    {
+      return face_weights.empty() && (boundary_faces || reference_mesh.closed());
+    }
+
+    const std::vector<double> &
+    excess_mass() const override
+    {
+      return node_masses;
+    }
+
     double stiffness(const Positions<dim> &X) const override;
 
     double measure(const Positions<dim> &X) const override;
@@ -96,6 +116,10 @@ namespace feib
     /// From the stresses of this rank's elements to the load of all. Collective.
     void face_loads(const std::vector<Matrix> &P, NodalField<dim> &load) const;
 
+    /// d2W/dF2 of this rank's elements: [c][e] is dP for the unit dF of component c / m, column
+    /// c % m.
+    std::array<std::vector<Matrix>, m * dim> tangent_columns(const std::vector<Matrix> &F) const;
+
     /// The measure of the structure (with the sign of its orientation) and its first moment about
     /// X[0].
     std::pair<double, dealii::Tensor<1, dim>> moments(const Positions<dim> &X) const;
@@ -106,6 +130,7 @@ namespace feib
     std::unique_ptr<Law> law;
     LagrangianPoints points;
     bool boundary_faces;
+    std::vector<double> node_masses;         // lumped excess mass; empty: none
     std::vector<double> face_weights;        // of the points of one face; empty: vertex rule
     std::vector<unsigned int> element_faces; // face opposite vertex k of element e: [e (m+1) + k]
   };
@@ -148,6 +173,14 @@ namespace feib
       }
     set_points(material_points);
 
+    if (const double excess = parameters.number("excess_density"); excess > 0)
+      {
+        node_masses.assign(reference_mesh.n_nodes(), 0.);
+        for (const auto &element : reference_mesh.elements())
+          for (unsigned int k = 0; k <= m; ++k)
+            node_masses[element.nodes[k]] += excess * element.measure / (m + 1);
+      }
+    this->velocities.resize(reference_mesh.n_nodes());
     this->positions = initial_positions(parameters);
     if (const auto inverted = find_inverted(gradients(this->positions)))
       {
@@ -423,16 +456,13 @@ namespace feib
   }
 
   template <int structure_dim, int dim>
-  double
-  ElasticStructure<structure_dim, dim>::stiffness(const Positions<dim> &X) const
+  std::array<std::vector<typename ElasticStructure<structure_dim, dim>::Matrix>,
+             ElasticStructure<structure_dim, dim>::m * dim>
+  ElasticStructure<structure_dim, dim>::tangent_columns(const std::vector<Matrix> &F) const
   {
-    constexpr unsigned int n    = m * dim;
-    const std::vector<Matrix> F = deformation_gradients(X);
+    std::array<std::vector<Matrix>, m * dim> columns;
     std::vector<Matrix> dF(F.size());
-
-    // Column c of d2W/dF2, for all elements at once.
-    std::array<std::vector<Matrix>, n> columns;
-    for (unsigned int c = 0; c < n; ++c)
+    for (unsigned int c = 0; c < m * dim; ++c)
       {
         for (Matrix &direction : dF)
           {
@@ -441,6 +471,60 @@ namespace feib
           }
         law->stress_derivative(F, dF, columns[c]);
       }
+    return columns;
+  }
+
+  template <int structure_dim, int dim>
+  MatrixEntries
+  ElasticStructure<structure_dim, dim>::tangent(const Positions<dim> &X) const
+  {
+    // As face_loads() with dP = d2W/dF2 [e_b (x) grad phi_j], once for each node j of an element.
+    const auto columns = tangent_columns(deformation_gradients(X));
+    const auto &faces  = reference_mesh.faces();
+    MatrixEntries entries;
+    for (unsigned int e = first; e < last; ++e)
+      {
+        const auto &element = reference_mesh.elements()[e];
+        for (unsigned int j = 0; j <= m; ++j)
+          for (unsigned int b = 0; b < dim; ++b)
+            {
+              Matrix dP;
+              for (unsigned int l = 0; l < m; ++l)
+                dP += element.shape_gradients[j][l] * columns[b * m + l][e - first];
+              const std::uint64_t column = std::uint64_t(element.nodes[j]) * dim + b;
+              for (unsigned int k = 0; k <= m; ++k)
+                {
+                  const unsigned int f = element_faces[e * (m + 1) + k];
+                  if (faces[f].at_boundary() && !boundary_faces)
+                    continue;
+                  for (unsigned int i = 0; i < dim; ++i)
+                    {
+                      double jump = 0;
+                      for (unsigned int l = 0; l < m; ++l)
+                        jump -= m * element.measure * dP[i][l] * element.shape_gradients[k][l];
+                      if (face_weights.empty())
+                        for (unsigned int v = 0; v < m; ++v)
+                          entries.push_back(
+                            {std::uint64_t(faces[f].nodes[v]) * dim + i, column, jump / m});
+                      else
+                        for (unsigned int q = 0; q < face_weights.size(); ++q)
+                          entries.push_back({(std::uint64_t(f) * face_weights.size() + q) * dim + i,
+                                             column,
+                                             face_weights[q] * jump});
+                    }
+                }
+            }
+      }
+    return entries;
+  }
+
+  template <int structure_dim, int dim>
+  double
+  ElasticStructure<structure_dim, dim>::stiffness(const Positions<dim> &X) const
+  {
+    constexpr unsigned int n    = m * dim;
+    const std::vector<Matrix> F = deformation_gradients(X);
+    const auto columns          = tangent_columns(F);
 
     // Whether all eigenvalues of A are below lambda: whether lambda I - A has a Cholesky factor.
     std::array<std::array<double, n>, n> A, L;

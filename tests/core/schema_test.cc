@@ -200,7 +200,8 @@ TEST(Schema, SpeaksPlainly)
   EXPECT_EQ(explained("/fluid/stokes/viscosty", 1),
             "/fluid/stokes/viscosty: unknown key \"viscosty\"; did you mean \"viscosity\"?\n");
   EXPECT_EQ(explained("/time/qqq", 1),
-            "/time/qqq: unknown key \"qqq\"; allowed are \"step\", \"end\", \"integrator\"\n");
+            "/time/qqq: unknown key \"qqq\"; allowed are \"step\", \"end\", \"control\", "
+            "\"energy_growth\", \"integrator\"\n");
   EXPECT_EQ(
     explained("/domain/boundary", {{"x_min", {{"no_slip", {{"speed", 1}}}}}}),
     "/domain/boundary/x_min/no_slip/speed: unknown key \"speed\"; nothing is allowed here\n");

@@ -17,6 +17,14 @@ namespace
   {
     return text.find(part) != std::string::npos;
   }
+
+  /// Failures are final and growing energy is no failure.
+  std::string
+  no_safeguards(const double step)
+  {
+    return " --set /time/energy_growth=1e9 --set '/time/control={\"fixed\": {\"minimum_step\": " +
+           std::to_string(step) + "}}'";
+  }
 } // namespace
 
 TEST(RunFailure, AnUnstableStepEndsWithTheLastGoodState)
@@ -28,7 +36,8 @@ TEST(RunFailure, AnUnstableStepEndsWithTheLastGoodState)
       const RunResult run =
         run_host(shell_quoted(elliptic_membrane) + " --output " + shell_quoted(folder / "out") +
                    " --set /domain/periodic=[] --set /domain/cells=[16,16]"
-                   " --set /time/step=0.1 --set /time/end=10",
+                   " --set /time/step=0.1 --set /time/end=10" +
+                   no_safeguards(.1),
                  ranks);
       EXPECT_EQ(run.exit_code, 1) << run.output;
       EXPECT_TRUE(holds(run.output, "error: the structure \"membrane\" leaves the box: node"))
@@ -63,7 +72,8 @@ TEST(RunFailure, APeriodicBoxHasNoOutsideButElementsAreNotLongerThanIt)
   const RunResult run =
     run_host(shell_quoted(elliptic_membrane) + " --output " + shell_quoted(folder / "out") +
              " --set /domain/cells=[16,16] --set /time/step=0.05 --set /time/end=5 --set /output=[]"
-             " --set '/refinement={\"immersed_cells\": {\"level\": 1, \"interval\": 1}}'");
+             " --set '/refinement={\"immersed_cells\": {\"level\": 1, \"interval\": 1}}'" +
+             no_safeguards(.05));
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_TRUE(holds(run.output, "one of its elements is longer than the box")) << run.output;
 }
@@ -90,9 +100,10 @@ TEST(RunFailure, ASolverThatDoesNotConvergeSaysHowFarItCame)
     run_host(shell_quoted(FEIB_SOURCE "/cases/cavity_disc/case.json") + " --output " +
              shell_quoted(folder / "out") +
              " --set /domain/cells=[8,8] --set '/fluid/navier_stokes/convection=\"implicit\"' "
-             "--set /fluid/navier_stokes/max_iterations=1 --set /time/end=0.02");
+             "--set /fluid/navier_stokes/max_iterations=1 --set /time/end=0.02" +
+             no_safeguards(.01));
   EXPECT_EQ(run.exit_code, 1) << run.output;
-  EXPECT_TRUE(holds(run.output, "did not reach its tolerance in 1 iterations; relative residuals:"))
+  EXPECT_TRUE(holds(run.output, "did not reach its tolerance in 1 iterations; relative residuals"))
     << run.output;
   EXPECT_EQ(read_json(folder / "out/summary.json")["steps"], 0);
 }

@@ -54,6 +54,13 @@ namespace feib
                       const std::vector<Matrix> &dF,
                       std::vector<Matrix>       &dP) const = 0;
 
+    /// Whether P is linear in F, so that dP does not depend on F.
+    virtual bool
+    linear() const
+    {
+      return false;
+    }
+
     /// Whether W is defined only where det F > 0 (J = sqrt(det F^T F) > 0 for structure_dim < dim).
     virtual bool
     needs_positive_determinant() const

@@ -4,6 +4,7 @@
 
 #include <feib/eulerian_space.h>
 #include <feib/lagrangian_points.h>
+#include <feib/matrix_entry.h>
 #include <feib/parameters.h>
 
 namespace feib
@@ -41,6 +42,10 @@ namespace feib
     virtual void spread(const EulerianSpace<dim> &space,
                         const NodalField<dim> &f,
                         VelocityVector &rhs) const = 0;
+
+    /// J as entries: row = point * dim + component, column = global velocity unknown (constrained
+    /// ones too), those of this rank's cells. For preconditioners of implicit schemes.
+    virtual MatrixEntries entries(const EulerianSpace<dim> &space) const = 0;
   };
 } // namespace feib
 

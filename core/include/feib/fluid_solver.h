@@ -3,9 +3,8 @@
 #define feib_fluid_solver_h
 
 #include <feib/eulerian_space.h>
+#include <feib/implicit_load.h>
 #include <feib/parameters.h>
-
-#include <functional>
 
 namespace feib
 {
@@ -16,32 +15,34 @@ namespace feib
   public:
     static constexpr const char *kind = "fluid_solver";
 
-    /// A linear operator on velocities, dst += L src, both over all degrees of freedom (constraints
-    /// distributed in src, not yet condensed in dst), symmetric or not.
-    using AddedOperator = std::function<void(VelocityVector &dst, const VelocityVector &src)>;
-
     /// One backward Euler step to the time @p time, of length @p dt.
     struct Step
     {
       double time;
       double dt;
-      const VelocityVector &load;    // <F, v> on all degrees of freedom, before condensing
-      AddedOperator added = nullptr; // L u^{n+1} joins the left-hand side (implicit coupling)
+      const VelocityVector &load; // <F, v> on all degrees of freedom, before condensing
+      ImplicitLoad<dim> *implicit_load = nullptr; // joins the load, at the velocity computed
     };
 
+    /// What a step took, and where its power went: the momentum equation tested with the velocity
+    /// u computed. With rho/dt (u - u^n, u) the rate of the kinetic energy,
+    ///   rho/dt (u - u^n, u) + dissipation + convection_power
+    ///     = boundary_power + body_force_power + <F, u>      up to the solver's tolerance.
     struct Report
     {
       unsigned int linear_iterations    = 0;
       unsigned int nonlinear_iterations = 0;
+      double dissipation                = 0; // a(u,u) with the viscous form chosen
+      double convection_power           = 0; // b(w,w,u); zero for a skew-symmetric form with w = u
+      double boundary_power             = 0; // reaction at prescribed velocity . u
+      double body_force_power           = 0; // (f, u)
+      double increment_energy           = 0; // rho/2 |u - u^n|^2
     };
 
     /// Integrals over the fluid at the state of the space.
     struct Balance
     {
-      double kinetic_energy   = 0;
-      double dissipation      = 0; // power, a(u,u) with the viscous form chosen
-      double boundary_power   = 0; // of the last step: reaction at prescribed velocity . u
-      double body_force_power = 0; // (f, u)
+      double kinetic_energy = 0;
       dealii::Tensor<1, dim> momentum;
       dealii::Tensor<1, 3> angular_momentum; // about the origin; the third component in 2D
       double largest_velocity = 0;           // at the nodes
@@ -58,6 +59,10 @@ namespace feib
     /// space.velocity and space.pressure, which hold a first guess on entry. Collective. Throws
     /// RunFailure when a solve does not reach its tolerance; space.old_velocity is untouched.
     virtual Report advance(EulerianSpace<dim> &space, const Step &step) = 0;
+
+    /// rho [mass/volume] and mu [force time/area].
+    virtual double density() const   = 0;
+    virtual double viscosity() const = 0;
 
     /// Collective; the same on all ranks.
     virtual Balance balance(const EulerianSpace<dim> &space) const = 0;

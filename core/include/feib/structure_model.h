@@ -3,6 +3,7 @@
 #define feib_structure_model_h
 
 #include <feib/lagrangian_points.h>
+#include <feib/matrix_entry.h>
 #include <feib/parameters.h>
 
 #include <string>
@@ -21,50 +22,57 @@ namespace feib
     virtual ~StructureModel() = default;
 
     /// The name given in the case.
-    virtual const std::string &
-    name() const = 0;
+    virtual const std::string &name() const = 0;
 
-    virtual const LagrangianMesh<dim> &
-    mesh() const = 0;
+    virtual const LagrangianMesh<dim> &mesh() const = 0;
 
     /// The state: the position of every node. The constructor sets it to the initial map.
     Positions<dim> positions;
 
+    /// The velocity of every node: with an excess density a part of the state, else a first guess.
+    NodalField<dim> velocities;
+
+    /// The mass of each node (lumped) beyond that of the fluid the structure displaces; empty for a
+    /// structure of the fluid's density.
+    virtual const std::vector<double> &excess_mass() const = 0;
+
     /// E_h(X), the elastic energy.
-    virtual double
-    energy(const Positions<dim> &X) const = 0;
+    virtual double energy(const Positions<dim> &X) const = 0;
 
     /// The points the load acts at: the nodes, or Gauss points of faces.
-    virtual const LagrangianPoints &
-    load_points() const = 0;
+    virtual const LagrangianPoints &load_points() const = 0;
 
     /// The load <F_h, v> = sum_q load[q] . v(x_q) at the load points. With the vertex rule
     /// load = -dE_h/dX.
-    virtual void
-    load(const Positions<dim> &X, NodalField<dim> &load) const = 0;
+    virtual void load(const Positions<dim> &X, NodalField<dim> &load) const = 0;
 
     /// The derivative of the load in the direction dX.
-    virtual void
-    load_derivative(const Positions<dim>  &X,
-                    const NodalField<dim> &dX,
-                    NodalField<dim>       &dload) const = 0;
+    virtual void load_derivative(const Positions<dim> &X,
+                                 const NodalField<dim> &dX,
+                                 NodalField<dim> &dload) const = 0;
+
+    /// - d load/dX as entries: row = load point * dim + component, column = node * dim + component.
+    /// Every rank gives a part.
+    virtual MatrixEntries tangent(const Positions<dim> &X) const = 0;
+
+    /// Whether the load is linear in X, so that its derivative does not depend on X.
+    virtual bool linear() const = 0;
+
+    /// Whether the load is -dE_h/dX at the nodes, so that the tangent is symmetric.
+    virtual bool conservative() const = 0;
 
     /// The largest eigenvalue of d2W/dF2 over all elements (kappa_max of the stability analysis).
-    virtual double
-    stiffness(const Positions<dim> &X) const = 0;
+    virtual double stiffness(const Positions<dim> &X) const = 0;
 
-    /// Area or volume of a body of dimension dim; what a closed curve or surface encloses; length or
-    /// area of an open one.
-    virtual double
-    measure(const Positions<dim> &X) const = 0;
+    /// Area or volume of a body of dimension dim; what a closed curve or surface encloses; length
+    /// or area of an open one.
+    virtual double measure(const Positions<dim> &X) const = 0;
 
     /// The centroid of what measure() measures.
-    virtual dealii::Point<dim>
-    centroid(const Positions<dim> &X) const = 0;
+    virtual dealii::Point<dim> centroid(const Positions<dim> &X) const = 0;
 
     /// Energy density W per element, for output. Indexed by element.
-    virtual std::vector<double>
-    energy_density(const Positions<dim> &X) const = 0;
+    virtual std::vector<double> energy_density(const Positions<dim> &X) const = 0;
   };
 } // namespace feib
 

@@ -6,6 +6,7 @@
 #include <feib/immersed_structure.h>
 #include <feib/timers.h>
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,13 +29,59 @@ namespace feib
       Timers &timers;
     };
 
-    using Report = typename FluidSolver<dim>::Report;
+    /// What the fluid gets from one structure, averages over the step.
+    struct Exchange
+    {
+      double power = 0; // of elastic and inertial forces on the fluid: their work on u, per time
+      dealii::Tensor<1, dim> force;
+      dealii::Tensor<1, 3> torque; // about the origin; the third component in 2D
+      /// The part of the change of the measure over the step that comes from a flux of the discrete
+      /// velocity through the structure: dt A'(X)[J u] at the X where J is taken. The rest is
+      /// error of the time scheme. Zero for open curves and surfaces.
+      double leak = 0;
+    };
+
+    /// What a step took, and where its energy went: with K and E the kinetic and the elastic
+    /// energy,
+    ///   K + E at the end - K - E at the beginning + dissipated + convected + numerical
+    ///     = boundary_work + body_work       up to the tolerance of the solver.
+    struct Report
+    {
+      unsigned int linear_iterations    = 0;
+      unsigned int nonlinear_iterations = 0;
+      unsigned int geometry_iterations  = 0; // solutions with another geometry, for one step
+      double dissipated                 = 0; // by viscosity
+      double convected                  = 0; // work of the convective term against the fluid
+      double boundary_work              = 0;
+      double body_work                  = 0;
+      double numerical                  = 0; // lost (gained when negative) by the time scheme
+      /// An estimate of the error that this step adds to displacements [length]; negative: the
+      /// scheme has none.
+      double displacement_error = -1;
+      std::vector<Exchange> exchanges; // one per structure
+    };
+
+    /// The largest stable step, and the structure that sets it.
+    struct StabilityLimit
+    {
+      double dt = std::numeric_limits<double>::infinity();
+      std::string structure;
+    };
 
     virtual ~TimeIntegrator() = default;
 
     /// From the time @p time to time + dt: on entry space.old_velocity is u^n and the structures
     /// hold X^n; on return space.velocity and the structures hold the new state. Collective.
     virtual Report step(System &system, double time, double dt) = 0;
+
+    /// The estimate of the largest stable step at the present state; infinite for a scheme that has
+    /// no limit. Collective.
+    virtual StabilityLimit
+    stability_limit(const System &system) const
+    {
+      (void)system;
+      return {};
+    }
 
     /// Columns of the ledger that belong to the scheme (for fe_be: eta of each structure), at the
     /// present state. The same names at every call. Collective.

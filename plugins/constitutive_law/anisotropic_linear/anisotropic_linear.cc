@@ -57,6 +57,12 @@ namespace feib
       stress(dF, dP);
     }
 
+    bool
+    linear() const override
+    {
+      return true;
+    }
+
   private:
     double kappa;
     FibreDirections<structure_dim, dim> fibres;

@@ -74,6 +74,12 @@ namespace feib
     }
 
     bool
+    linear() const override
+    {
+      return !stress_free;
+    }
+
+    bool
     needs_positive_determinant() const override
     {
       return stress_free;

@@ -32,6 +32,8 @@ namespace feib
                 const NodalField<dim> &f,
                 VelocityVector &rhs) const override;
 
+    MatrixEntries entries(const EulerianSpace<dim> &space) const override;
+
   private:
     static constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
 
@@ -114,6 +116,24 @@ namespace feib
             rhs.local_element(dofs[a * n + i]) += entry.values[i] * f[entry.point][a];
       }
     rhs.compress(dealii::VectorOperation::add);
+  }
+
+
+  template <int dim>
+  MatrixEntries
+  Variational<dim>::entries(const EulerianSpace<dim> &space) const
+  {
+    MatrixEntries result;
+    for (const Located &entry : located)
+      {
+        const unsigned int *dofs = space.velocity_dofs(entry.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n; ++i)
+            result.push_back({std::uint64_t(entry.point) * dim + a,
+                              space.velocity.get_partitioner()->local_to_global(dofs[a * n + i]),
+                              entry.values[i]});
+      }
+    return result;
   }
 } // namespace feib
 

@@ -22,6 +22,40 @@ namespace feib
         throw RunFailure("the direct solver failed in " + what + " (PETSc error " +
                          std::to_string(code) + ")");
     }
+
+    /// The rank that owns unknown i, given the first unknown of each.
+    unsigned int
+    rank_of(const std::vector<dealii::types::global_dof_index> &first,
+            const dealii::types::global_dof_index i)
+    {
+      return std::upper_bound(first.begin(), first.end(), i) - first.begin() - 1;
+    }
+
+
+    /// A sparse matrix from entries in any order, of any rank's rows.
+    Mat
+    matrix_from_entries(const MPI_Comm communicator,
+                        const PetscInt local_rows,
+                        const PetscInt local_columns,
+                        const MatrixEntries &entries)
+    {
+      std::vector<PetscInt> rows, columns;
+      std::vector<PetscScalar> values;
+      for (const MatrixEntry &entry : entries)
+        {
+          rows.push_back(entry.row);
+          columns.push_back(entry.column);
+          values.push_back(entry.value);
+        }
+      Mat matrix;
+      check(MatCreate(communicator, &matrix), "set-up");
+      check(MatSetSizes(matrix, local_rows, local_columns, PETSC_DETERMINE, PETSC_DETERMINE),
+            "set-up");
+      check(MatSetType(matrix, MATAIJ), "set-up");
+      check(MatSetPreallocationCOO(matrix, rows.size(), rows.data(), columns.data()), "set-up");
+      check(MatSetValuesCOO(matrix, values.data(), ADD_VALUES), "set-up");
+      return matrix;
+    }
   } // namespace
 
 
@@ -56,21 +90,15 @@ namespace feib
       dealii::Utilities::MPI::all_gather(communicator,
                                          space.pressure_handler().n_locally_owned_dofs());
     const unsigned int n_ranks = velocities.size();
-    std::vector<dealii::types::global_dof_index> first_velocity(n_ranks + 1, 0),
-      first_pressure(n_ranks + 1, 0);
+    first_velocity.assign(n_ranks + 1, 0);
+    first_pressure.assign(n_ranks + 1, 0);
     for (unsigned int r = 0; r < n_ranks; ++r)
       {
         first_velocity[r + 1] = first_velocity[r] + velocities[r];
         first_pressure[r + 1] = first_pressure[r] + pressures[r];
       }
-    const auto owner = [](const auto &first, const dealii::types::global_dof_index i) {
-      return std::upper_bound(first.begin(), first.end(), i) - first.begin() - 1;
-    };
-    const auto number_of_velocity = [&](const dealii::types::global_dof_index i) {
-      return i + first_pressure[owner(first_velocity, i)];
-    };
     const auto number_of_pressure = [&](const dealii::types::global_dof_index i) {
-      return i + first_velocity[owner(first_pressure, i) + 1];
+      return i + first_velocity[rank_of(first_pressure, i) + 1];
     };
 
     const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
@@ -123,10 +151,73 @@ namespace feib
 
 
   template <int dim>
+  dealii::types::global_dof_index
+  DirectSolver<dim>::number_of_velocity(const dealii::types::global_dof_index i) const
+  {
+    return i + first_pressure[rank_of(first_velocity, i)];
+  }
+
+
+  template <int dim>
+  void
+  DirectSolver<dim>::add_product(Mat matrix,
+                                 const EulerianSpace<dim> &space,
+                                 const typename ImplicitLoad<dim>::Product &product) const
+  {
+    const MPI_Comm communicator = space.communicator();
+    const unsigned int rank     = dealii::Utilities::MPI::this_mpi_process(communicator);
+    const unsigned int n_ranks  = dealii::Utilities::MPI::n_mpi_processes(communicator);
+    const auto share            = [&](const std::uint64_t n) -> PetscInt {
+      return n * (rank + 1) / n_ranks - n * rank / n_ranks;
+    };
+    // A constrained unknown hands its entry to its masters.
+    const auto condensed = [&](const MatrixEntries &entries) {
+      MatrixEntries result;
+      for (const MatrixEntry &entry : entries)
+        if (!space.constraints().is_constrained(entry.column))
+          result.push_back({entry.row, number_of_velocity(entry.column), entry.value});
+        else
+          for (const auto &[master, weight] :
+               *space.constraints().get_constraint_entries(entry.column))
+            result.push_back({entry.row, number_of_velocity(master), weight * entry.value});
+      return result;
+    };
+    const PetscInt columns = owned.n_elements();
+    Mat right =
+      matrix_from_entries(communicator, share(product.n_right), columns, condensed(product.right));
+    Mat middle = matrix_from_entries(communicator,
+                                     share(product.n_left),
+                                     share(product.n_right),
+                                     product.middle);
+    Mat result;
+    if (product.symmetric)
+      check(MatPtAP(middle, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &result), "a product");
+    else
+      {
+        Mat left = matrix_from_entries(communicator,
+                                       share(product.n_left),
+                                       columns,
+                                       condensed(product.left));
+        Mat half;
+        check(MatMatMult(middle, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &half), "a product");
+        check(MatTransposeMatMult(left, half, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &result),
+              "a product");
+        MatDestroy(&half);
+        MatDestroy(&left);
+      }
+    check(MatAXPY(matrix, 1., result, DIFFERENT_NONZERO_PATTERN), "a sum");
+    MatDestroy(&result);
+    MatDestroy(&middle);
+    MatDestroy(&right);
+  }
+
+
+  template <int dim>
   void
   DirectSolver<dim>::factorize(const EulerianSpace<dim> &space,
                                const CellMatrix &cell_matrix,
-                               const bool symmetric)
+                               const bool symmetric_cells,
+                               const std::vector<typename ImplicitLoad<dim>::Product> &products)
   {
     clear();
     if (numbering_revision != space.revision())
@@ -160,6 +251,12 @@ namespace feib
     matrix.compress(dealii::VectorOperation::add);
 
     Mat petsc_matrix = matrix.petsc_matrix();
+    bool symmetric   = symmetric_cells;
+    for (const auto &product : products)
+      {
+        add_product(petsc_matrix, space, product);
+        symmetric = symmetric && product.symmetric;
+      }
     check(MatSetOption(petsc_matrix, MAT_SYMMETRIC, symmetric ? PETSC_TRUE : PETSC_FALSE),
           "set-up");
     check(KSPCreate(communicator, &solver), "set-up");

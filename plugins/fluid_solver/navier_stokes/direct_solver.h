@@ -2,7 +2,7 @@
 #ifndef feib_plugins_navier_stokes_direct_solver_h
 #define feib_plugins_navier_stokes_direct_solver_h
 
-#include <feib/eulerian_space.h>
+#include <feib/implicit_load.h>
 
 #include <petscksp.h>
 
@@ -28,8 +28,13 @@ namespace feib
     DirectSolver(const DirectSolver &) = delete;
     ~DirectSolver();
 
-    /// Assembles and factorises. Collective. Throws RunFailure when MUMPS fails.
-    void factorize(const EulerianSpace<dim> &space, const CellMatrix &cell_matrix, bool symmetric);
+    /// Assembles and factorises, with the sum of the products added to the velocity block.
+    /// @p symmetric: whether the cells' matrices are. Collective. Throws RunFailure when MUMPS
+    /// fails.
+    void factorize(const EulerianSpace<dim> &space,
+                   const CellMatrix &cell_matrix,
+                   bool symmetric,
+                   const std::vector<typename ImplicitLoad<dim>::Product> &products = {});
 
     /// (u, p) = matrix^{-1} (f, g) for condensed f; constrained entries of u are zero. Collective.
     void
@@ -40,10 +45,19 @@ namespace feib
 
     void set_up_numbering(const EulerianSpace<dim> &space);
 
+    /// The number of a velocity unknown among all unknowns.
+    dealii::types::global_dof_index number_of_velocity(dealii::types::global_dof_index i) const;
+
+    /// matrix += left^T middle right
+    void add_product(Mat matrix,
+                     const EulerianSpace<dim> &space,
+                     const typename ImplicitLoad<dim>::Product &product) const;
+
     // Numbers of all unknowns: of each rank first its velocities, then its pressures.
     unsigned int numbering_revision = 0;
     dealii::IndexSet owned;
     std::vector<dealii::types::global_dof_index> cell_indices;
+    std::vector<dealii::types::global_dof_index> first_velocity, first_pressure; // of each rank
     dealii::AffineConstraints<double> constraints;
 
     KSP solver          = nullptr;

@@ -15,6 +15,8 @@
 #include <deal.II/lac/solver_gmres.h>
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 namespace feib
 {
@@ -35,7 +37,7 @@ namespace feib
   ///
   /// Every step is a residual and its correction: with the boundary values set in the first guess,
   /// the correction obeys homogeneous constraints, and one loop serves the linear step (one
-  /// correction by the factorisation), Newton's method and an added operator (corrections by
+  /// correction by the factorisation), Newton's method and an implicit load (corrections by
   /// FGMRES, preconditioned by the factorisation).
   template <int dim>
   class NavierStokes : public FluidSolver<dim>
@@ -53,6 +55,18 @@ namespace feib
 
     Report advance(Space &space, const Step &step) override;
 
+    double
+    density() const override
+    {
+      return rho;
+    }
+
+    double
+    viscosity() const override
+    {
+      return mu;
+    }
+
     Balance balance(const Space &space) const override;
 
   private:
@@ -65,6 +79,7 @@ namespace feib
     {
       std::vector<double> velocity;   // alpha M + mu K
       std::vector<double> mass;       // rho M
+      std::vector<double> viscous;    // mu K
       std::vector<double> divergence; // (div u, q)
     };
 
@@ -73,15 +88,38 @@ namespace feib
       double momentum = 0, divergence = 0, divergence_scale = 0;
     };
 
+    /// What is left of the equations at a velocity and a pressure.
+    struct Residual
+    {
+      VelocityVector momentum; // condensed
+      VelocityVector reaction; // not condensed: the force of the walls where velocity is prescribed
+      PressureVector divergence;
+      Norms norms;
+      double implicit_load = 0; // norm, condensed
+    };
+
     std::vector<LevelMatrices> level_matrices(const Space &space, double alpha) const;
+
+    /// u^T matrix u for a matrix of a cell.
+    static double
+    quadratic_form(const std::vector<double> &matrix, const double *u)
+    {
+      double sum = 0;
+      for (unsigned int i = 0; i < n_u; ++i)
+        {
+          double row = 0;
+          for (unsigned int j = 0; j < n_u; ++j)
+            row += matrix[i * n_u + j] * u[j];
+          sum += u[i] * row;
+        }
+      return sum;
+    }
 
     void prepare(const Space &space, double dt);
 
     void find_outflow_faces(const Space &space);
 
-    void factorize_stokes(const Space &space);
-
-    void factorize_oseen(const Space &space, const VelocityVector &w);
+    void factorize(const Space &space, const VelocityVector *w, const ImplicitLoad<dim> *load);
 
     VelocityVector body_force_vector(const Space &space, double time) const;
 
@@ -104,13 +142,29 @@ namespace feib
 
     void remove_mean_pressure(Space &space) const;
 
+    /// All that does not depend on the unknowns: load, inertia of u^n, body force and the
+    /// extrapolated convection, which is also given alone.
+    VelocityVector
+    fixed_forces(const Space &space, const Step &step, VelocityVector &explicit_convection);
+
+    Residual
+    residual(const Space &space, const Step &step, const VelocityVector &fixed_forces) const;
+
+    /// Throws RunFailure when the box is closed and what goes in does not come out.
+    void check_net_flux(const Space &space, const Residual &residual) const;
+
     unsigned int correct(const Space &space,
                          const Step &step,
-                         const VelocityVector &u,
-                         const VelocityVector &r,
-                         const PressureVector &g,
+                         const Residual &residual,
+                         double reduction,
                          VelocityVector &du,
                          PressureVector &dp);
+
+    /// Puts the powers of the step that led to the state of the space into the report.
+    void account(const Space &space,
+                 const Residual &residual,
+                 const VelocityVector &explicit_convection,
+                 Report &report) const;
 
     // What the case says.
     const double rho, mu, tolerance;
@@ -127,8 +181,12 @@ namespace feib
     std::vector<LevelMatrices> levels;
     std::vector<unsigned int> outflow_faces; // per cell, bit f for face f
     DirectSolver<dim> direct;
+    bool factor_outdated    = true;
+    bool factor_with_load   = false; // the implicit load is, or should be, in the factorisation
+    unsigned int iterations = 0;     // beyond the few that a fresh factorisation takes, since then
+    unsigned int uses       = 0;     // corrections computed with the factorisation,
+    unsigned int last_uses  = 0;     // and with the one before
     VelocityVector body_force_load;
-    double boundary_power = 0;
   };
 
 
@@ -201,6 +259,7 @@ namespace feib
           {
             matrices.velocity   = operators.velocity_matrix(cell.size, alpha, mu, symmetric);
             matrices.mass       = operators.velocity_matrix(cell.size, rho, 0., symmetric);
+            matrices.viscous    = operators.velocity_matrix(cell.size, 0., mu, symmetric);
             matrices.divergence = operators.divergence_matrix(cell.size);
           }
       }
@@ -221,9 +280,9 @@ namespace feib
       body_force_load = body_force_vector(space, 0.);
     if (revision != space.revision())
       find_outflow_faces(space);
-    revision  = space.revision();
-    factor_dt = dt;
-    factorize_stokes(space);
+    revision        = space.revision();
+    factor_dt       = dt;
+    factor_outdated = true;
   }
 
 
@@ -249,46 +308,40 @@ namespace feib
 
   template <int dim>
   void
-  NavierStokes<dim>::factorize_stokes(const Space &space)
-  {
-    direct.factorize(
-      space,
-      [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
-        const LevelMatrices &local = levels[space.cells()[c].level];
-        for (unsigned int i = 0; i < n_u; ++i)
-          for (unsigned int j = 0; j < n_u; ++j)
-            matrix(i, j) = local.velocity[i * n_u + j];
-        for (unsigned int k = 0; k < n_p; ++k)
-          for (unsigned int j = 0; j < n_u; ++j)
-            matrix(n_u + k, j) = matrix(j, n_u + k) = -local.divergence[k * n_u + j];
-      },
-      true);
-  }
-
-
-  template <int dim>
-  void
-  NavierStokes<dim>::factorize_oseen(const Space &space, const VelocityVector &w)
+  NavierStokes<dim>::factorize(const Space &space,
+                               const VelocityVector *w,
+                               const ImplicitLoad<dim> *load)
   {
     direct.factorize(
       space,
       [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
         const auto &cell           = space.cells()[c];
         const LevelMatrices &local = levels[cell.level];
-        double local_w[n_u];
-        for (unsigned int i = 0; i < n_u; ++i)
-          local_w[i] = w.local_element(space.velocity_dofs(c)[i]);
-        const std::vector<double> convective =
-          operators.convection_matrix(cell.size, local_w, rho, skew, outflow_faces[c]);
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
-            matrix(i, j) =
-              local.velocity[i * n_u + j] + (i / n == j / n ? convective[(i % n) * n + j % n] : 0.);
+            matrix(i, j) = local.velocity[i * n_u + j];
+        if (w)
+          {
+            double local_w[n_u];
+            for (unsigned int i = 0; i < n_u; ++i)
+              local_w[i] = w->local_element(space.velocity_dofs(c)[i]);
+            const std::vector<double> convective =
+              operators.convection_matrix(cell.size, local_w, rho, skew, outflow_faces[c]);
+            for (unsigned int a = 0; a < dim; ++a)
+              for (unsigned int i = 0; i < n; ++i)
+                for (unsigned int j = 0; j < n; ++j)
+                  matrix(a * n + i, a * n + j) += convective[i * n + j];
+          }
         for (unsigned int k = 0; k < n_p; ++k)
           for (unsigned int j = 0; j < n_u; ++j)
             matrix(n_u + k, j) = matrix(j, n_u + k) = -local.divergence[k * n_u + j];
       },
-      false);
+      w == nullptr,
+      load ? load->matrix() : std::vector<typename ImplicitLoad<dim>::Product>());
+    factor_outdated = false;
+    iterations      = 0;
+    last_uses       = uses;
+    uses            = 0;
   }
 
 
@@ -439,17 +492,24 @@ namespace feib
   unsigned int
   NavierStokes<dim>::correct(const Space &space,
                              const Step &step,
-                             const VelocityVector &u,
-                             const VelocityVector &r,
-                             const PressureVector &g,
+                             const Residual &residual,
+                             const double reduction,
                              VelocityVector &du,
                              PressureVector &dp)
   {
-    if (convection != Convection::implicit && !step.added)
+    // Rent or buy: a factorisation costs about as much as this many solutions with it. Once so many
+    // were spent on the lack of the implicit load, or on the load of an old geometry, it pays.
+    constexpr unsigned int price = 30;
+    if (iterations > price)
+      factor_outdated = factor_with_load = true;
+    if (factor_outdated)
+      factorize(space, nullptr, factor_with_load ? step.implicit_load : nullptr);
+    if (convection != Convection::implicit && !step.implicit_load)
       {
-        direct.solve(r, g, du, dp);
+        direct.solve(residual.momentum, residual.divergence, du, dp);
         return 1;
       }
+    const VelocityVector &u = space.velocity;
 
     struct Jacobian
     {
@@ -477,8 +537,8 @@ namespace feib
         result.compress(dealii::VectorOperation::add);
         result_pressure.compress(dealii::VectorOperation::add);
         result *= -1.;
-        if (step.added)
-          step.added(result, v);
+        if (step.implicit_load)
+          step.implicit_load->apply(result, v);
         space.condense(result);
         dst.block(0).copy_locally_owned_data_from(result);
         dst.block(1).equ(-1., result_pressure);
@@ -495,22 +555,22 @@ namespace feib
       }
     };
 
-    // Inexact Newton: each correction to a part of its residual; past this many iterations the
-    // factorisation is too old, or lacks the convection.
-    constexpr unsigned int stalled = 30;
-    constexpr double reduction     = 1e-4;
+    // Past this many iterations the factorisation is too old, or lacks too much. One that served
+    // no second step will hardly be followed by one that does.
+    constexpr unsigned int usual = 3;
+    const unsigned int stalled   = uses > 0 && last_uses == 1 ? 8 : 30;
 
     BlockVector right_hand_side(2), solution(2);
-    right_hand_side.block(0).reinit(r, true);
-    right_hand_side.block(1).reinit(g, true);
+    right_hand_side.block(0).reinit(residual.momentum, true);
+    right_hand_side.block(1).reinit(residual.divergence, true);
     right_hand_side.collect_sizes();
-    right_hand_side.block(0).copy_locally_owned_data_from(r);
-    right_hand_side.block(1).copy_locally_owned_data_from(g);
+    right_hand_side.block(0).copy_locally_owned_data_from(residual.momentum);
+    right_hand_side.block(1).copy_locally_owned_data_from(residual.divergence);
     solution.reinit(right_hand_side);
 
     const Jacobian jacobian{*this, space, step, u};
     const Preconditioner preconditioner{direct};
-    unsigned int iterations = 0;
+    unsigned int total = 0;
     for (const bool last_try : {false, true})
       {
         dealii::SolverControl control(last_try ? 10 * stalled : stalled,
@@ -518,30 +578,34 @@ namespace feib
                                       false,
                                       false);
         dealii::SolverFGMRES<BlockVector> fgmres(
-          control, typename dealii::SolverFGMRES<BlockVector>::AdditionalData(stalled));
+          control,
+          typename dealii::SolverFGMRES<BlockVector>::AdditionalData(last_try ? 100 : stalled));
         try
           {
             fgmres.solve(jacobian, solution, right_hand_side, preconditioner);
-            iterations += control.last_step();
+            total += control.last_step();
+            if (step.implicit_load && control.last_step() > usual)
+              iterations += control.last_step() - usual;
             break;
           }
         catch (const dealii::SolverControl::NoConvergence &failure)
           {
-            iterations += failure.last_step;
+            total += failure.last_step;
             if (last_try)
-              throw RunFailure("the linear solver stopped after " + std::to_string(iterations) +
+              throw RunFailure("the linear solver stopped after " + std::to_string(total) +
                                " iterations at residual " + std::to_string(failure.last_residual));
-            if (convection == Convection::implicit)
-              {
-                log::debug("factorising the fluid matrix anew, with convection");
-                factorize_oseen(space, u);
-              }
+            log::debug(
+              "factorising the fluid matrix anew, with all there is; the last one served " +
+              std::to_string(uses) + " solutions");
+            factor_with_load = step.implicit_load != nullptr;
+            factorize(space, convection == Convection::implicit ? &u : nullptr, step.implicit_load);
             solution = 0.;
           }
       }
+    ++uses;
     du.copy_locally_owned_data_from(solution.block(0));
     dp.copy_locally_owned_data_from(solution.block(1));
-    return iterations;
+    return total;
   }
 
 
@@ -567,15 +631,11 @@ namespace feib
 
 
   template <int dim>
-  typename NavierStokes<dim>::Report
-  NavierStokes<dim>::advance(Space &space, const Step &step)
+  VelocityVector
+  NavierStokes<dim>::fixed_forces(const Space &space,
+                                  const Step &step,
+                                  VelocityVector &explicit_convection)
   {
-    prepare(space, step.dt);
-    space.set_time(step.time);
-    space.distribute(space.velocity, false);
-
-    // Everything that does not depend on the unknowns: load, inertia of u^n, body force and the
-    // extrapolated convection.
     VelocityVector fixed = space.make_velocity();
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
@@ -595,12 +655,15 @@ namespace feib
               }
           }
       }
+    fixed.compress(dealii::VectorOperation::add);
     if (convection == Convection::explicit_extrapolation)
       {
         const VelocityVector w = extrapolated_velocity(space, step.dt);
-        add_convection(space, w, w, -1., fixed);
+        explicit_convection    = space.make_velocity();
+        add_convection(space, w, w, 1., explicit_convection);
+        explicit_convection.compress(dealii::VectorOperation::add);
+        fixed -= explicit_convection;
       }
-    fixed.compress(dealii::VectorOperation::add);
     fixed += step.load;
     if (body_force)
       {
@@ -608,96 +671,183 @@ namespace feib
           body_force_load = body_force_vector(space, step.time);
         fixed += body_force_load;
       }
-    VelocityVector condensed = fixed;
+    return fixed;
+  }
+
+
+  template <int dim>
+  typename NavierStokes<dim>::Residual
+  NavierStokes<dim>::residual(const Space &space,
+                              const Step &step,
+                              const VelocityVector &fixed_forces) const
+  {
+    Residual result;
+    result.momentum   = space.make_velocity();
+    result.divergence = space.make_pressure();
+    apply_stokes(space, space.velocity, space.pressure, result.momentum, result.divergence);
+    if (convection == Convection::implicit)
+      add_convection(space, space.velocity, space.velocity, -1., result.momentum);
+    result.momentum.compress(dealii::VectorOperation::add);
+    result.divergence.compress(dealii::VectorOperation::add);
+    result.momentum += fixed_forces;
+    if (step.implicit_load)
+      {
+        VelocityVector load = space.make_velocity();
+        step.implicit_load->evaluate(space.velocity, load);
+        result.momentum += load;
+        space.condense(load);
+        result.implicit_load = load.l2_norm();
+      }
+    // Where the velocity is prescribed, what is left over is the reaction; elsewhere nothing is.
+    result.reaction = result.momentum;
+    space.condense(result.momentum);
+    result.norms = norms(space, result.momentum, result.divergence);
+    if (!std::isfinite(result.norms.momentum) || !std::isfinite(result.norms.divergence))
+      throw RunFailure("the fluid's residual is not finite at time " + std::to_string(step.time));
+    return result;
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::check_net_flux(const Space &space, const Residual &residual) const
+  {
+    double flux = 0;
+    for (unsigned int c = 0; c < space.cells().size(); ++c)
+      flux += residual.divergence.local_element(space.pressure_dofs(c)[0]);
+    flux = dealii::Utilities::MPI::sum(flux, space.communicator());
+    if (space.domain().enclosed() && std::abs(flux) > 1e-8 * residual.norms.divergence_scale)
+      throw RunFailure("the prescribed boundary velocities, as interpolated on this mesh, carry a "
+                       "net flux of " +
+                       std::to_string(flux) +
+                       " out of the box, which is closed: give a face the condition outflow");
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::account(const Space &space,
+                             const Residual &residual,
+                             const VelocityVector &explicit_convection,
+                             Report &report) const
+  {
+    double u[n_u], du[n_u], dissipation = 0, increment = 0;
+    for (unsigned int c = 0; c < space.cells().size(); ++c)
+      {
+        const LevelMatrices &local = levels[space.cells()[c].level];
+        for (unsigned int i = 0; i < n_u; ++i)
+          {
+            u[i]  = space.velocity.local_element(space.velocity_dofs(c)[i]);
+            du[i] = u[i] - space.old_velocity.local_element(space.velocity_dofs(c)[i]);
+          }
+        dissipation += quadratic_form(local.viscous, u);
+        increment += .5 * quadratic_form(local.mass, du);
+      }
+    report.dissipation      = dealii::Utilities::MPI::sum(dissipation, space.communicator());
+    report.increment_energy = dealii::Utilities::MPI::sum(increment, space.communicator());
+    if (convection == Convection::explicit_extrapolation)
+      report.convection_power = explicit_convection * space.velocity;
+    else if (convection == Convection::implicit)
+      {
+        VelocityVector force = space.make_velocity();
+        add_convection(space, space.velocity, space.velocity, 1., force);
+        force.compress(dealii::VectorOperation::add);
+        report.convection_power = force * space.velocity;
+      }
+    for (const auto &face : space.domain().faces)
+      if (face.condition == BoundaryCondition::velocity)
+        {
+          report.boundary_power = -(residual.reaction * space.velocity);
+          break;
+        }
+    if (body_force)
+      report.body_force_power = body_force_load * space.velocity;
+  }
+
+
+  template <int dim>
+  typename NavierStokes<dim>::Report
+  NavierStokes<dim>::advance(Space &space, const Step &step)
+  {
+    prepare(space, step.dt);
+    space.set_time(step.time);
+    space.distribute(space.velocity, false);
+
+    VelocityVector explicit_convection;
+    const VelocityVector fixed = fixed_forces(space, step, explicit_convection);
+    VelocityVector condensed   = fixed;
     space.condense(condensed);
+    const bool linear =
+      convection != Convection::implicit && (!step.implicit_load || step.implicit_load->linear());
 
     Report report;
-    double scale        = condensed.l2_norm();
-    const bool enclosed = space.domain().enclosed();
-    const bool driven   = [&] {
-      for (const auto &face : space.domain().faces)
-        if (face.condition == BoundaryCondition::velocity)
-          return true;
-      return false;
-    }();
-    std::string history;
+    Residual present = residual(space, step, fixed);
+    check_net_flux(space, present);
+    const double scale =
+      std::max({condensed.l2_norm(), present.implicit_load, present.norms.momentum});
+    std::ostringstream history;
+    history << std::setprecision(2);
     while (true)
       {
-        VelocityVector r = space.make_velocity();
-        PressureVector g = space.make_pressure();
-        apply_stokes(space, space.velocity, space.pressure, r, g);
-        if (convection == Convection::implicit)
-          add_convection(space, space.velocity, space.velocity, -1., r);
-        r.compress(dealii::VectorOperation::add);
-        g.compress(dealii::VectorOperation::add);
-        r += fixed;
-        if (step.added)
-          {
-            VelocityVector added = space.make_velocity();
-            step.added(added, space.velocity);
-            r -= added;
-          }
-        // Where the velocity is prescribed, what is left over is the reaction; elsewhere nothing
-        // is.
-        VelocityVector reaction = r;
-        space.condense(r);
-
-        const Norms size = norms(space, r, g);
-        if (!std::isfinite(size.momentum) || !std::isfinite(size.divergence))
-          throw RunFailure("the fluid's residual is not finite at time " +
-                           std::to_string(step.time));
-        if (report.nonlinear_iterations == 0)
-          {
-            scale = std::max(scale, size.momentum);
-            if (enclosed && driven)
-              {
-                double flux = 0;
-                for (unsigned int c = 0; c < space.cells().size(); ++c)
-                  flux += g.local_element(space.pressure_dofs(c)[0]);
-                flux = dealii::Utilities::MPI::sum(flux, space.communicator());
-                if (std::abs(flux) > 1e-8 * size.divergence_scale)
-                  throw RunFailure(
-                    "the prescribed boundary velocities, as interpolated on this mesh, carry a "
-                    "net flux of " +
-                    std::to_string(flux) +
-                    " out of the box, which is closed: give a face the condition outflow");
-              }
-          }
-        history += (history.empty() ? "" : ", ") + std::to_string(size.momentum / scale);
-
+        const Norms &norms = present.norms;
+        const bool first   = report.nonlinear_iterations == 0;
+        history << (first ? "" : ", ") << norms.momentum / scale;
+        if (norms.divergence_scale > 0)
+          history << " (" << norms.divergence / norms.divergence_scale << ")";
         // The divergence is a linear equation: any correction solves it as far as round-off allows.
-        const bool first = report.nonlinear_iterations == 0;
-        if (!first && size.momentum <= tolerance * scale &&
-            size.divergence <= tolerance * size.divergence_scale)
-          {
-            boundary_power = driven ? -(reaction * space.velocity) : 0.;
-            break;
-          }
-        if (first && scale == 0. && size.divergence == 0.)
-          {
-            boundary_power = 0;
-            break;
-          }
+        if (first ? scale == 0. && norms.divergence == 0.
+                  : norms.momentum <= tolerance * scale &&
+                      norms.divergence <= tolerance * norms.divergence_scale)
+          break;
         if (report.nonlinear_iterations >= max_iterations)
-          throw RunFailure("the fluid step to time " + std::to_string(step.time) +
-                           " did not reach its tolerance in " + std::to_string(max_iterations) +
-                           " iterations; relative residuals: " + history);
+          throw RunFailure(
+            "the fluid step to time " + std::to_string(step.time) +
+            " did not reach its tolerance in " + std::to_string(max_iterations) +
+            " iterations; relative residuals of momentum (and divergence): " + history.str());
 
+        // A linear problem is solved at once; Newton's method converges quadratically while each
+        // linear residual is the square of the nonlinear one.
+        const double target = .3 * tolerance * scale / std::max(norms.momentum, tolerance * scale);
+        const double reduction =
+          std::max(target, linear ? 1e-13 : std::min(1e-4, norms.momentum / scale));
         VelocityVector du = space.make_velocity();
         PressureVector dp = space.make_pressure();
-        report.linear_iterations += correct(space, step, space.velocity, r, g, du, dp);
+        report.linear_iterations += correct(space, step, present, reduction, du, dp);
         ++report.nonlinear_iterations;
         space.distribute(du, true);
         dp.update_ghost_values();
-        space.velocity.zero_out_ghost_values();
-        space.pressure.zero_out_ghost_values();
-        space.velocity += du;
-        space.pressure += dp;
-        if (enclosed)
-          remove_mean_pressure(space);
-        space.distribute(space.velocity, false);
-        space.pressure.update_ghost_values();
+
+        // Where the load is not linear, the step is shortened until the load is defined and the
+        // residual falls.
+        const double before = norms.momentum;
+        for (double length = 1, taken = 0;; length /= 2)
+          {
+            space.velocity.zero_out_ghost_values();
+            space.pressure.zero_out_ghost_values();
+            space.velocity.add(length - taken, du);
+            space.pressure.add(length - taken, dp);
+            taken = length;
+            if (space.domain().enclosed())
+              remove_mean_pressure(space);
+            space.distribute(space.velocity, false);
+            space.pressure.update_ghost_values();
+            constexpr double shortest = 1. / 32;
+            try
+              {
+                present = residual(space, step, fixed);
+                if (linear || !step.implicit_load || length <= shortest ||
+                    present.norms.momentum <=
+                      std::max(tolerance * scale, (1 - .1 * length) * before))
+                  break;
+              }
+            catch (const RunFailure &)
+              {
+                if (linear || length <= shortest)
+                  throw;
+              }
+          }
       }
+    account(space, present, explicit_convection, report);
     return report;
   }
 
@@ -706,39 +856,19 @@ namespace feib
   typename NavierStokes<dim>::Balance
   NavierStokes<dim>::balance(const Space &space) const
   {
-    struct Forms
-    {
-      std::vector<double> mass, viscous;
-    };
-    std::vector<Forms> forms;
+    std::vector<std::vector<double>> masses; // rho M of each level
     Balance result;
     double u[n_u];
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
         const auto &cell = space.cells()[c];
-        if (cell.level >= forms.size())
-          forms.resize(cell.level + 1);
-        Forms &local = forms[cell.level];
-        if (local.mass.empty())
-          {
-            local.mass    = operators.velocity_matrix(cell.size, rho, 0., symmetric);
-            local.viscous = operators.velocity_matrix(cell.size, 0., mu, symmetric);
-          }
+        if (cell.level >= masses.size())
+          masses.resize(cell.level + 1);
+        if (masses[cell.level].empty())
+          masses[cell.level] = operators.velocity_matrix(cell.size, rho, 0., symmetric);
         for (unsigned int i = 0; i < n_u; ++i)
           u[i] = space.velocity.local_element(space.velocity_dofs(c)[i]);
-        const auto quadratic = [&u](const std::vector<double> &matrix) {
-          double sum = 0;
-          for (unsigned int i = 0; i < n_u; ++i)
-            {
-              double row = 0;
-              for (unsigned int j = 0; j < n_u; ++j)
-                row += matrix[i * n_u + j] * u[j];
-              sum += u[i] * row;
-            }
-          return sum;
-        };
-        result.kinetic_energy += .5 * quadratic(local.mass);
-        result.dissipation += quadratic(local.viscous);
+        result.kinetic_energy += .5 * quadratic_form(masses[cell.level], u);
 
         double det = 1;
         for (unsigned int a = 0; a < dim; ++a)
@@ -789,16 +919,12 @@ namespace feib
       }
     const MPI_Comm communicator = space.communicator();
     result.kinetic_energy       = dealii::Utilities::MPI::sum(result.kinetic_energy, communicator);
-    result.dissipation          = dealii::Utilities::MPI::sum(result.dissipation, communicator);
     result.divergence = std::sqrt(dealii::Utilities::MPI::sum(result.divergence, communicator));
     result.momentum   = dealii::Utilities::MPI::sum(result.momentum, communicator);
     result.angular_momentum = dealii::Utilities::MPI::sum(result.angular_momentum, communicator);
     result.largest_velocity =
       std::sqrt(dealii::Utilities::MPI::max(result.largest_velocity, communicator));
-    result.cfl_rate       = dealii::Utilities::MPI::max(result.cfl_rate, communicator);
-    result.boundary_power = boundary_power;
-    if (body_force && body_force_load.size() == space.velocity.size())
-      result.body_force_power = body_force_load * space.velocity;
+    result.cfl_rate = dealii::Utilities::MPI::max(result.cfl_rate, communicator);
     return result;
   }
 } // namespace feib

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 namespace
 {
@@ -38,6 +39,18 @@ namespace
               space.velocity.local_element(space.velocity_dofs(c)[9 * a + i]) = field(x)[a];
           }
       return {};
+    }
+
+    double
+    density() const override
+    {
+      return 1;
+    }
+
+    double
+    viscosity() const override
+    {
+      return .1;
     }
 
     Balance
@@ -119,7 +132,7 @@ TEST(ForwardEulerBackwardEuler, AreaBookkeeping)
   const StructureModel<2> &model = *f.structures[0].model;
   const Positions<2> X           = model.positions;
   const double before            = model.measure(X);
-  f.scheme->step(f.system, 0, dt);
+  const auto report              = f.scheme->step(f.system, 0, dt);
   const auto cross = [](const auto &a, const auto &b) { return a[0] * b[1] - a[1] * b[0]; };
   double leak = 0, time_error = 0;
   for (unsigned int i = 0; i < X.size(); ++i)
@@ -133,6 +146,7 @@ TEST(ForwardEulerBackwardEuler, AreaBookkeeping)
   EXPECT_GT(std::abs(leak), 1e-4);
   EXPECT_GT(std::abs(time_error), 1e-6);
   EXPECT_NEAR(model.measure(model.positions) - before, leak + time_error, 1e-15);
+  EXPECT_NEAR(report.exchanges[0].leak, leak, 1e-15);
 }
 
 TEST(ForwardEulerBackwardEuler, ForceFromTheOldPositionsAndPowerIsExchangedExactly)
@@ -144,8 +158,8 @@ TEST(ForwardEulerBackwardEuler, ForceFromTheOldPositionsAndPowerIsExchangedExact
   const Positions<2> X     = model.positions;
   NodalField<2> force;
   model.load(X, force);
-  const double dt = .01;
-  f.scheme->step(f.system, 0, dt);
+  const double dt   = .01;
+  const auto report = f.scheme->step(f.system, 0, dt);
   double power = 0, scale = 0;
   for (unsigned int i = 0; i < X.size(); ++i)
     {
@@ -155,6 +169,7 @@ TEST(ForwardEulerBackwardEuler, ForceFromTheOldPositionsAndPowerIsExchangedExact
     }
   EXPECT_GT(std::abs(power), 1e-6 * scale);
   EXPECT_NEAR(f.fluid.load * f.space->velocity, power, 1e-12 * scale);
+  EXPECT_NEAR(report.exchanges[0].power, power, 1e-12 * scale);
 }
 
 TEST(ForwardEulerBackwardEuler, EtaIsTheEstimateOfTheEnergyLaw)
@@ -165,8 +180,13 @@ TEST(ForwardEulerBackwardEuler, EtaIsTheEstimateOfTheEnergyLaw)
   for (unsigned int i = 0; i < 40; ++i)
     L = std::max(L, model.positions[i].distance(model.positions[(i + 1) % 40]));
   const auto columns = f.scheme->diagnostics(f.system, .01);
-  ASSERT_EQ(columns.size(), 1u);
-  EXPECT_EQ(columns[0].first, "eta_circle");
+  const std::map<std::string, double> values(columns.begin(), columns.end());
+  const double h_s = 1.2566370614359172 / 40;
+  EXPECT_DOUBLE_EQ(values.at("h_x"), .125);
+  EXPECT_NEAR(values.at("h_s_circle"), h_s, 1e-12);
+  EXPECT_NEAR(values.at("longest_edge_circle"), L, 1e-15);
+  EXPECT_NEAR(values.at("kappa_circle"), 3, 1e-10);
   // m = 1, d = 2: kappa dt L / (h_s h_x)
-  EXPECT_NEAR(columns[0].second, 3 * .01 * L / (1.2566370614359172 / 40 * .125), 1e-10);
+  EXPECT_NEAR(values.at("eta_circle"), 3 * .01 * L / (h_s * .125), 1e-10);
+  EXPECT_EQ(values.at("dt_limit_circle"), f.scheme->stability_limit(f.system).dt);
 }

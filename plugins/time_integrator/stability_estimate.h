@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_plugins_time_integrator_stability_estimate_h
+#define feib_plugins_time_integrator_stability_estimate_h
+
+#include <feib/fluid_solver.h>
+#include <feib/structure_model.h>
+
+#include <deal.II/base/numbers.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace feib
+{
+  /// What the stability of an explicit scheme depends on, for one structure at positions X.
+  struct StructureScales
+  {
+    double longest_edge;    // L^n, of a deformed element [length]
+    double kappa;           // largest eigenvalue of d2W/dF2
+    double spatial_kappa;   // the same per present measure and length: kappa stretch^2 / J
+    double surface_density; // excess mass per present measure, the smallest
+  };
+
+  template <int dim>
+  StructureScales
+  structure_scales(const StructureModel<dim> &model, const Positions<dim> &X)
+  {
+    const LagrangianMesh<dim> &mesh = model.mesh();
+    const unsigned int m            = mesh.structure_dim();
+    StructureScales result{0, model.stiffness(X), 0, 0};
+    double reference_measure = 0, factor = 0, largest_J = 0;
+    for (const auto &element : mesh.elements())
+      {
+        double longest = 0;
+        for (unsigned int j = 0; j <= m; ++j)
+          for (unsigned int k = 0; k < j; ++k)
+            longest = std::max(longest, X[element.nodes[j]].distance(X[element.nodes[k]]));
+        // The measure from Gram's determinant.
+        dealii::Tensor<2, dim> gram;
+        for (unsigned int j = 0; j < dim; ++j)
+          gram[j][j] = 1;
+        for (unsigned int j = 0; j < m; ++j)
+          for (unsigned int k = 0; k < m; ++k)
+            gram[j][k] = (X[element.nodes[j + 1]] - X[element.nodes[0]]) *
+                         (X[element.nodes[k + 1]] - X[element.nodes[0]]);
+        const double size    = std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m);
+        const double J       = std::max(size / element.measure, 1e-12);
+        const double stretch = longest / element.diameter;
+        result.longest_edge  = std::max(result.longest_edge, longest);
+        factor               = std::max(factor, stretch * stretch / J);
+        largest_J            = std::max(largest_J, J);
+        reference_measure += element.measure;
+      }
+    result.spatial_kappa = result.kappa * factor;
+    double mass          = 0;
+    for (const double node_mass : model.excess_mass())
+      mass += node_mass;
+    result.surface_density = mass / (reference_measure * largest_J);
+    return result;
+  }
+
+  /// The largest stable step of a scheme that takes the elastic force explicitly.
+  ///
+  /// Linear analysis, for displacements of wave number k of a flat structure in a resting fluid. In
+  /// terms of the impedance Z(k, tau), the force per measure that gives the structure unit velocity
+  /// in one backward Euler step tau of the fluid,
+  ///   fe_be:     stable while kappa k^2 dt < 2 Z(k, dt/2),
+  ///   midpoint:  stable while kappa k^2 dt < 4 Z(k, dt)  with inertia alone (mu = 0).
+  /// A thick body moves all fluid it occupies, Z = rho/tau + mu k^2. A curve or surface moves the
+  /// fluid beside it: with a^2 = rho/(mu tau) and q^2 = k^2 + a^2 the inverse of Z is
+  /// k/(2 mu a^2) (1 - k/q) across it (4 mu k for a = 0, 2 rho/(k tau) for mu = 0). An excess
+  /// density adds delta_rho/tau. The shortest wave of nodes moved by Q2 velocities on cells of size
+  /// h_x is k = C pi/h_x; C is calibrated by bisection (docs/choosing_a_scheme.md).
+  inline double
+  stable_step(const StructureScales &scales,
+              const bool thick,
+              const bool midpoint,
+              const double rho,
+              const double mu,
+              const double h_x)
+  {
+    const double C    = thick ? (midpoint ? 1. : 1.) : (midpoint ? .5 : .5);
+    const double k    = C * dealii::numbers::PI / h_x;
+    const auto stable = [&](const double dt) {
+      if (midpoint)
+        return scales.spatial_kappa * k * k * dt * dt <
+               4 * ((thick ? rho : 2 * rho / k) + scales.surface_density);
+      const double tau = dt / 2;
+      double Z         = rho / tau + mu * k * k;
+      if (!thick)
+        {
+          const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2);
+          // 1 - k/q without cancellation: a^2/(q (q + k))
+          Z = 2 * mu * q * (q + k) / k;
+        }
+      return scales.spatial_kappa * k * k * dt < 2 * (Z + scales.surface_density / tau);
+    };
+    double lower = 1e-12, upper = 1e12;
+    if (!(scales.spatial_kappa > 0) || stable(upper))
+      return std::numeric_limits<double>::infinity();
+    while (upper / lower > 1 + 1e-9)
+      {
+        const double middle              = std::sqrt(lower * upper);
+        (stable(middle) ? lower : upper) = middle;
+      }
+    return lower;
+  }
+} // namespace feib
+
+#endif
