@@ -57,15 +57,14 @@ namespace feib
     }
 
 
-    /// Keeps other calls out of a folder. The runs inherit the lock: it is theirs, too, should this
-    /// program be killed.
+    /// Keeps other calls out of a folder until this program ends.
     void
     lock(const fs::path &folder)
     {
-      const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+      const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
       if (descriptor < 0 || flock(descriptor, LOCK_EX | LOCK_NB) != 0)
         throw RunFailure(errno == EWOULDBLOCK
-                           ? "another feib-study, or a run it has left, works in " + folder.string()
+                           ? "another feib-study works in " + folder.string()
                            : "cannot lock " + folder.string() + ": " + std::strerror(errno));
     }
 
