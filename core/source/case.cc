@@ -288,7 +288,8 @@ namespace feib
   {
     // The first character says whether the rest is the text or the reason why there is none.
     std::string answer;
-    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    const bool parallel = dealii::Utilities::MPI::job_supports_mpi();
+    if (!parallel || dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       {
         std::error_code problem;
         std::ifstream stream(file);
@@ -302,10 +303,18 @@ namespace feib
         else
           answer = "=" + content.str();
       }
-    answer = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, answer);
+    if (parallel)
+      answer = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, answer);
     if (answer[0] == '!')
       throw Error(file + ": " + answer.substr(1));
     return answer.substr(1);
+  }
+
+
+  std::string
+  Case::plain(const std::string &text)
+  {
+    return parse(text).dump();
   }
 
 

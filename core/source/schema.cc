@@ -185,14 +185,15 @@ namespace feib
         if (!value.is_object())
           return;
         const Json &properties = member(schema, "properties");
+        const Json &rest       = member(schema, "additionalProperties");
         for (const auto &[key, property] : properties.items())
           if (!value.contains(key) && property.contains("default"))
             value[key] = property["default"];
         for (auto &[key, entry] : value.items())
           if (properties.contains(key))
             fill(entry, properties[key], depth + 1);
-          else if (member(schema, "additionalProperties").is_object())
-            fill(entry, schema["additionalProperties"], depth + 1);
+          else if (rest.is_object())
+            fill(entry, rest, depth + 1);
       }
 
       const Json &

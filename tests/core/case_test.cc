@@ -70,6 +70,13 @@ TEST(Case, AllowsComments)
             "");
 }
 
+TEST(Case, PlainJsonKeepsTheOrderOfKeys)
+{
+  EXPECT_EQ(Case::plain("{ \"b\": 1, // first\n \"a\": [0.10] }"), "{\"b\":1,\"a\":[0.1]}");
+  EXPECT_THROW(Case::plain("{ \"a\": 1, \"a\": 1 }"), Error);
+  EXPECT_THROW(Case::plain("{"), Error);
+}
+
 TEST(Case, PlacesOfIssues)
 {
   EXPECT_EQ(

@@ -292,6 +292,10 @@ TEST(Schema, FillsDefaultsEverywhere)
   EXPECT_EQ(filled["structures"][0]["body"]["law"]["scaled"],
             Json::parse(R"({"factor": 1, "law": {"spring": {"c": 3}}})"));
   EXPECT_TRUE(cases().explain(filled.dump()).empty());
+
+  const Schema open(R"({"properties": {"known": {"default": 1}}})");
+  EXPECT_EQ(Json::parse(open.with_defaults(R"({"other": {"deep": 2}})")),
+            Json::parse(R"({"other": {"deep": 2}, "known": 1})"));
 }
 
 namespace

@@ -26,9 +26,13 @@ namespace feib
          const Registry &registry,
          const Settings &settings = {});
 
-    /// The text of a file, read on rank 0 and shared. Collective. Throws Error when it cannot be
-    /// read.
+    /// The text of a file, read on rank 0 and shared. Collective (a program without MPI just reads
+    /// it). Throws Error when it cannot be read.
     static std::string read(const std::string &file);
+
+    /// What a text with comments says, as plain JSON, the keys in their order. Throws Error, with
+    /// places for format(), when it is not JSON or a key stands twice.
+    static std::string plain(const std::string &text);
 
     /// The case in a file; see read().
     static Case
