@@ -58,10 +58,11 @@ namespace feib
         double dissipated = 0, convected = 0, numerical = 0, boundary_work = 0, body_work = 0;
         double remeshing         = 0; // kinetic energy gained by moving u to another mesh
         double linear_iterations = 0, nonlinear_iterations = 0, geometry_iterations = 0;
-        double largest_increase = -std::numeric_limits<double>::infinity();
-        double largest_closure  = 0;
-        double smallest_dt      = std::numeric_limits<double>::infinity();
-        double largest_dt       = 0;
+        double largest_increase          = -std::numeric_limits<double>::infinity();
+        double largest_relative_increase = -std::numeric_limits<double>::infinity();
+        double largest_closure           = 0;
+        double smallest_dt               = std::numeric_limits<double>::infinity();
+        double largest_dt                = 0;
         std::vector<double> leak, time_error; // per structure, of its measure
       };
 
@@ -533,9 +534,13 @@ namespace feib
         const double total = kinetic + elastic;
         if (step > 0)
           {
-            totals.largest_increase = std::max(totals.largest_increase, total - energy_before_step);
-            totals.smallest_dt      = std::min(totals.smallest_dt, dt);
-            totals.largest_dt       = std::max(totals.largest_dt, dt);
+            const double increase   = total - energy_before_step;
+            totals.largest_increase = std::max(totals.largest_increase, increase);
+            if (energy_before_step > 0)
+              totals.largest_relative_increase =
+                std::max(totals.largest_relative_increase, increase / energy_before_step);
+            totals.smallest_dt = std::min(totals.smallest_dt, dt);
+            totals.largest_dt  = std::max(totals.largest_dt, dt);
           }
         energy_before_step   = total;
         const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
@@ -669,7 +674,11 @@ namespace feib
                             {"largest_closure", totals.largest_closure},
                             {"total_initial", ledger.value("total_energy", 0)},
                             {"total_final", ledger.last("total_energy")},
-                            {"largest_increase", step > 0 ? totals.largest_increase : 0.}};
+                            {"largest_increase", step > 0 ? totals.largest_increase : 0.},
+                            {"largest_relative_increase",
+                             std::isfinite(totals.largest_relative_increase)
+                               ? totals.largest_relative_increase
+                               : 0.}};
       result["structures"] = Json::array();
       for (unsigned int s = 0; s < structures.size(); ++s)
         {

@@ -15,10 +15,10 @@ namespace feib
   /// What the stability of an explicit scheme depends on, for one structure at positions X.
   struct StructureScales
   {
-    double longest_edge;    // L^n, of a deformed element [length]
-    double kappa;           // largest eigenvalue of d2W/dF2
-    double spatial_kappa;   // the same per present measure and length: kappa stretch^2 / J
-    double surface_density; // excess mass per present measure, the smallest
+    double longest_edge;   // L^n, of a deformed element [length]
+    double kappa;          // largest eigenvalue of d2W/dF2
+    double spatial_kappa;  // the same per present measure and length: kappa stretch^2 / J
+    double excess_density; // excess mass per present measure
   };
 
   template <int dim>
@@ -55,7 +55,7 @@ namespace feib
     double mass          = 0;
     for (const double node_mass : model.excess_mass())
       mass += node_mass;
-    result.surface_density = mass / (reference_measure * largest_J);
+    result.excess_density = mass / (reference_measure * largest_J);
     return result;
   }
 
@@ -65,12 +65,14 @@ namespace feib
   /// terms of the impedance Z(k, tau), the force per measure that gives the structure unit velocity
   /// in one backward Euler step tau of the fluid,
   ///   fe_be:     stable while kappa k^2 dt < 2 Z(k, dt/2),
-  ///   midpoint:  stable while kappa k^2 dt < 4 Z(k, dt)  with inertia alone (mu = 0).
+  ///   midpoint:  stable while kappa k^2 dt < 4 Z(k, dt) with the inertial part of Z alone (mu =
+  ///   0).
   /// A thick body moves all fluid it occupies, Z = rho/tau + mu k^2. A curve or surface moves the
-  /// fluid beside it: with a^2 = rho/(mu tau) and q^2 = k^2 + a^2 the inverse of Z is
-  /// k/(2 mu a^2) (1 - k/q) across it (4 mu k for a = 0, 2 rho/(k tau) for mu = 0). An excess
-  /// density adds delta_rho/tau. The shortest wave of nodes moved by Q2 velocities on cells of size
-  /// h_x is k = C pi/h_x; C is calibrated by bisection (docs/choosing_a_scheme.md).
+  /// fluid beside it, a Fourier sum over wave numbers l normal to it, with a^2 = rho/(mu tau):
+  ///   1/Z = 1/(2 pi mu) int [k^2 or l^2]/(k^2 + l^2) 1/(k^2 + l^2 + a^2) dl
+  /// across (k^2) or along it (l^2); the larger counts. An excess density adds delta_rho/tau. Q2
+  /// velocities on cells of size h_x carry k up to C pi/h_x and l up to T k; C and T are calibrated
+  /// by bisection (docs/choosing_a_scheme.md).
   inline double
   stable_step(const StructureScales &scales,
               const bool thick,
@@ -79,21 +81,23 @@ namespace feib
               const double mu,
               const double h_x)
   {
-    const double C    = thick ? (midpoint ? 1. : 1.) : (midpoint ? .5 : .5);
-    const double k    = C * dealii::numbers::PI / h_x;
-    const auto stable = [&](const double dt) {
+    using dealii::numbers::PI;
+    const double C = thick ? 1.9 : 1.3, T = 6;
+    const double k       = C * PI / h_x;
+    const auto impedance = [&](const double tau) {
+      if (thick)
+        return rho / tau + mu * k * k;
+      const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2);
+      const double across = k * (std::atan(T) - k / q * std::atan(T * k / q));
+      const double along  = q * std::atan(T * k / q) - k * std::atan(T);
+      return PI * mu * a2 / std::max(across, along);
+    };
+    const double inertia = thick ? rho : PI * rho / (k * std::max(std::atan(T), T - std::atan(T)));
+    const auto stable    = [&](const double dt) {
+      const double stiffness = scales.spatial_kappa * k * k;
       if (midpoint)
-        return scales.spatial_kappa * k * k * dt * dt <
-               4 * ((thick ? rho : 2 * rho / k) + scales.surface_density);
-      const double tau = dt / 2;
-      double Z         = rho / tau + mu * k * k;
-      if (!thick)
-        {
-          const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2);
-          // 1 - k/q without cancellation: a^2/(q (q + k))
-          Z = 2 * mu * q * (q + k) / k;
-        }
-      return scales.spatial_kappa * k * k * dt < 2 * (Z + scales.surface_density / tau);
+        return stiffness * dt * dt < 4 * (inertia + scales.excess_density);
+      return stiffness * dt < 2 * (impedance(dt / 2) + scales.excess_density / (dt / 2));
     };
     double lower = 1e-12, upper = 1e12;
     if (!(scales.spatial_kappa > 0) || stable(upper))
