@@ -163,6 +163,22 @@ TEST(Membrane, StiffnessOfLinearLaws)
   EXPECT_NEAR(surface->stiffness(shaken(*surface)), 2, 1e-12);
 }
 
+TEST(Membrane, ExcessMassIsDensityTimesReferenceMeasure)
+{
+  const auto polygon =
+    make_model<2>(component, curve(40), linear, circle + ", \"excess_density\": 3");
+  double length = 0, mass = 0;
+  for (const auto &element : polygon->mesh().elements())
+    length += element.measure;
+  for (const double m : polygon->excess_mass())
+    {
+      EXPECT_NEAR(m, 3 * length / 40, 1e-13);
+      mass += m;
+    }
+  EXPECT_NEAR(mass, 3 * length, 1e-12);
+  EXPECT_TRUE(make_model<2>(component, curve(40), linear, circle)->excess_mass().empty());
+}
+
 TEST(Membrane, Meshes)
 {
   const LagrangianMesh<2> closed = make_model<2>(component, curve(12), linear, circle)->mesh();

@@ -230,6 +230,20 @@ namespace feib::testing
     });
   }
 
+  TEST_P(ConstitutiveLawKit, LinearLawsHaveOneDerivative)
+  {
+    for_each_sample([](auto &sample) {
+      if (!sample.law->linear())
+        return;
+      const auto before = sample.stress_derivative(sample.dF);
+      sample.F          = sample.moved(.1);
+      const auto after  = sample.stress_derivative(sample.dF);
+      for (unsigned int q = 0; q < before.size(); ++q)
+        for (unsigned int i = 0; i < before[q].dimension; ++i)
+          EXPECT_LT((before[q][i] - after[q][i]).norm(), 1e-13 * (1 + before[q][i].norm()));
+    });
+  }
+
   TEST_P(ConstitutiveLawKit, StressDerivativeIsSymmetric)
   {
     for_each_sample([](auto &sample) {

@@ -73,6 +73,19 @@ namespace feib::testing
     space->condense(load);
     EXPECT_NEAR(load * v, power, 1e-12 * scale);
 
+    // The entries are those of J: applied to v and summed over the ranks they give U.
+    std::vector<double> by_entries(f.size() * dim, 0.);
+    for (const MatrixEntry &entry : coupling->entries(*space))
+      {
+        ASSERT_LT(entry.row, by_entries.size());
+        by_entries[entry.row] +=
+          entry.value * v.local_element(v.get_partitioner()->global_to_local(entry.column));
+      }
+    dealii::Utilities::MPI::sum(by_entries, MPI_COMM_WORLD, by_entries);
+    for (unsigned int i = 0; i < f.size(); ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        EXPECT_NEAR(by_entries[i * dim + a], U[i][a], 1e-12);
+
     // The total force arrives: the sum over a partition of unity.
     if (!periodic)
       {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 
 namespace feib::testing
@@ -163,6 +164,63 @@ namespace feib::testing
   }
 
   // The energy does not see translations and rotations, so forces and torques cancel.
+  TEST_P(StructureModelKit, TangentHoldsTheEntriesOfTheLoadDerivative)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      constexpr unsigned int dim = std::decay_t<decltype(X[0])>::dimension;
+      const auto dX              = random_field<dim>(X.size(), 1., 3);
+      NodalField<dim> expected;
+      model.load_derivative(X, dX, expected);
+      std::vector<double> by_entries(expected.size() * dim, 0.);
+      std::map<std::pair<std::uint64_t, std::uint64_t>, double> entries;
+      double largest = 0;
+      for (const MatrixEntry &entry : model.tangent(X))
+        {
+          ASSERT_LT(entry.row, by_entries.size());
+          ASSERT_LT(entry.column, X.size() * dim);
+          by_entries[entry.row] -= entry.value * dX[entry.column / dim][entry.column % dim];
+          entries[{entry.row, entry.column}] += entry.value;
+          largest = std::max(largest, std::abs(entry.value));
+        }
+      dealii::Utilities::MPI::sum(by_entries, MPI_COMM_WORLD, by_entries);
+      const double scale = norm(expected);
+      for (unsigned int q = 0; q < expected.size(); ++q)
+        for (unsigned int a = 0; a < dim; ++a)
+          EXPECT_NEAR(by_entries[q * dim + a], expected[q][a], 1e-12 * scale);
+      // A conservative load has a symmetric tangent.
+      if (model.conservative() && dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1)
+        for (const auto &[place, value] : entries)
+          {
+            const double transposed = entries[{place.second, place.first}];
+            EXPECT_NEAR(value, transposed, 1e-12 * largest);
+          }
+      // Only a linear load may say so.
+      NodalField<dim> elsewhere;
+      model.load_derivative(moved(X, random_field<dim>(X.size(), .01 * model.mesh().diameter(), 5)),
+                            dX,
+                            elsewhere);
+      double difference = 0;
+      for (unsigned int q = 0; q < expected.size(); ++q)
+        difference = std::max(difference, (expected[q] - elsewhere[q]).norm());
+      if (model.linear())
+        {
+          EXPECT_LT(difference, 1e-12 * scale);
+        }
+    });
+  }
+
+  TEST_P(StructureModelKit, ExcessMassIsPositiveAndOneForEachNode)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      EXPECT_EQ(model.velocities.size(), X.size());
+      if (model.excess_mass().empty())
+        return;
+      EXPECT_EQ(model.excess_mass().size(), X.size());
+      for (const double mass : model.excess_mass())
+        EXPECT_GT(mass, 0);
+    });
+  }
+
   TEST_P(StructureModelKit, TotalForceAndTorqueVanish)
   {
     for_each_example([](const auto &model, const auto &X) {
