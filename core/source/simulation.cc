@@ -56,6 +56,7 @@ namespace feib
       struct Totals
       {
         double dissipated = 0, convected = 0, numerical = 0, boundary_work = 0, body_work = 0;
+        double energy            = 0; // now, on the mesh the next step is taken on
         double remeshing         = 0; // kinetic energy gained by moving u to another mesh
         double linear_iterations = 0, nonlinear_iterations = 0, geometry_iterations = 0;
         double largest_increase          = -std::numeric_limits<double>::infinity();
@@ -118,11 +119,12 @@ namespace feib
       std::unique_ptr<StepControl> control;
       std::string integrator_name;
       double end_time = 0, energy_growth = 0;
+      double stability_limit = std::numeric_limits<double>::infinity(); // before the first step
+      double energy_unit     = 0; // below which energy is round-off
 
       Timers timers;
       Ledger ledger;
       Totals totals;
-      double energy_before_step = 0; // on the mesh the step is taken on
       double displacement_error = -1;
       unsigned int retries      = 0;
       unsigned int step         = 0;
@@ -266,7 +268,7 @@ namespace feib
         return;
       // Moving the velocity to another mesh is no work of the scheme.
       const double gained = fluid->balance(*space).kinetic_energy - before;
-      energy_before_step += gained;
+      totals.energy += gained;
       totals.remeshing += gained;
       log::debug("step " + std::to_string(step) + ": " +
                  std::to_string(space->triangulation().n_global_active_cells()) + " cells");
@@ -318,6 +320,9 @@ namespace feib
                                          structure.nodes);
           structure.motion->interpolate(*space, space->velocity, structure.model->velocities);
         }
+      for (const ImmersedStructure<dim> &structure : structures)
+        energy_unit += 1e-6 * structure.model->stiffness(structure.model->positions) *
+                       structure.model->measure(structure.model->positions);
       totals.leak.assign(structures.size(), 0.);
       totals.time_error.assign(structures.size(), 0.);
 
@@ -333,7 +338,8 @@ namespace feib
       add_ledger_row(0., {});
 
       const double dt = control->start(control_state());
-      if (dt > integrator->stability_limit(system()).dt)
+      stability_limit = integrator->stability_limit(system()).dt;
+      if (dt > stability_limit)
         log::warning(stability_sentence(dt));
     }
 
@@ -344,7 +350,8 @@ namespace feib
     {
       const double dt = ledger.last("dt");
       return {dt > 0 ? ledger.last("cfl") / dt : fluid->balance(*space).cfl_rate,
-              integrator->stability_limit(system()).dt,
+              control->adaptive() ? integrator->stability_limit(system()).dt
+                                  : std::numeric_limits<double>::infinity(),
               displacement_error};
     }
 
@@ -361,16 +368,16 @@ namespace feib
           // Rounded down.
           const double digit = std::pow(10., std::floor(std::log10(limit.dt)) - 1);
           text << " exceeds the estimated limit " << limit.dt << " of " << integrator_name
-               << " for structure \"" << limit.structure
-               << "\"; use lagged_be or dt <= " << std::floor(limit.dt / digit) * digit;
+               << " for structure \"" << limit.structure << "\"; use " << limit.alternative
+               << " or dt <= " << std::floor(limit.dt / digit) * digit;
         }
       else if (std::isfinite(limit.dt))
         text << " is below the estimated limit " << limit.dt << " of " << integrator_name
-             << " for structure \"" << limit.structure
-             << "\", yet the run is not stable; use lagged_be or a smaller dt";
+             << " for structure \"" << limit.structure << "\", yet the run is not stable; use "
+             << limit.alternative << " or a smaller dt";
       else
-        text << " is too large here, though " << integrator_name
-             << " has no limit for convex energies; use a smaller dt";
+        text << " is too large for " << integrator_name
+             << ", which has no limit by itself; use implicit convection or a smaller dt";
       return text.str();
     }
 
@@ -384,9 +391,10 @@ namespace feib
       const bool enclosed = space->domain().enclosed();
       const double gained =
         -(totals.dissipated + totals.numerical + (enclosed ? totals.convected : 0.));
-      const double scale = std::abs(ledger.value("total_energy", 0)) +
-                           std::abs(totals.boundary_work) + std::abs(totals.body_work) +
-                           (enclosed ? 0. : std::abs(totals.convected));
+      const double scale =
+        std::max(std::abs(ledger.value("total_energy", 0)) + std::abs(totals.boundary_work) +
+                   std::abs(totals.body_work) + (enclosed ? 0. : std::abs(totals.convected)),
+                 energy_unit);
       if (gained > energy_growth * scale)
         {
           std::ostringstream text;
@@ -464,13 +472,17 @@ namespace feib
           for (unsigned int s = 0; s < structures.size(); ++s)
             {
               const StructureModel<dim> &model = *structures[s].model;
-              const double leak                = report.exchanges[s].leak;
+              if (model.mesh().structure_dim() < dim && !model.mesh().closed())
+                continue;
+              const double leak = report.exchanges[s].leak;
               totals.leak[s] += leak;
               totals.time_error[s] +=
                 model.measure(model.positions) - model.measure(positions[s]) - leak;
             }
           add_ledger_row(dt, report);
           space->old_dt = dt;
+          // Schemes may leave the boundary values at another time of the step.
+          space->set_time(time);
         }
       catch (const RunFailure &)
         {
@@ -534,15 +546,15 @@ namespace feib
         const double total = kinetic + elastic;
         if (step > 0)
           {
-            const double increase   = total - energy_before_step;
+            const double increase   = total - totals.energy;
             totals.largest_increase = std::max(totals.largest_increase, increase);
-            if (energy_before_step > 0)
+            if (totals.energy > 0)
               totals.largest_relative_increase =
-                std::max(totals.largest_relative_increase, increase / energy_before_step);
+                std::max(totals.largest_relative_increase, increase / totals.energy);
             totals.smallest_dt = std::min(totals.smallest_dt, dt);
             totals.largest_dt  = std::max(totals.largest_dt, dt);
           }
-        energy_before_step   = total;
+        totals.energy        = total;
         const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
         const double closure = total - initial + totals.dissipated + totals.convected +
                                totals.numerical - totals.boundary_work - totals.body_work -
@@ -664,6 +676,8 @@ namespace feib
                               {"nonlinear_mean", totals.nonlinear_iterations / steps},
                               {"geometry_mean", totals.geometry_iterations / steps}};
       result["retries"]    = retries;
+      if (std::isfinite(stability_limit))
+        result["stability_limit"] = stability_limit;
       if (step > 0)
         result["dt"] = {{"smallest", totals.smallest_dt}, {"largest", totals.largest_dt}};
       if (ledger.n_rows() > 0)

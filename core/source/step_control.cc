@@ -17,11 +17,11 @@ namespace feib
                 "the end is " + std::to_string(end / step) +
                   " steps away, at most 1e9 are allowed");
     const auto [name, control] = time.child("control").choice();
-    adaptive                   = name == "adaptive";
+    is_adaptive                = name == "adaptive";
     shortest = control.has("minimum_step") ? control.number("minimum_step") : step / 1024;
     longest  = step;
     growth   = 2;
-    if (adaptive)
+    if (is_adaptive)
       {
         longest   = control.has("maximum_step") ? control.number("maximum_step")
                                                 : std::numeric_limits<double>::infinity();
@@ -41,7 +41,7 @@ namespace feib
   double
   StepControl::target() const
   {
-    if (adaptive)
+    if (is_adaptive)
       return end;
     return grid + 1 == n_steps ? end : (grid + 1) * step;
   }
@@ -59,7 +59,7 @@ namespace feib
   double
   StepControl::allowed(const State &state) const
   {
-    if (!adaptive)
+    if (!is_adaptive)
       return step;
     double result = std::min(longest, stability * state.stability_limit);
     if (state.cfl_rate > 0)
@@ -82,7 +82,7 @@ namespace feib
   bool
   StepControl::accurate(const double displacement_error) const
   {
-    return !adaptive || displacement_error <= tolerance;
+    return !is_adaptive || displacement_error <= tolerance;
   }
 
 
@@ -91,7 +91,7 @@ namespace feib
   {
     const bool shortened = next_dt() < dt * (1 - 1e-6);
     present              = next_time();
-    if (!adaptive && present >= target())
+    if (!is_adaptive && present >= target())
       ++grid;
     const double limit = allowed(state);
     if (patience > 0)
@@ -102,7 +102,7 @@ namespace feib
       dt = std::max(shortest, std::min(dt, .9 * limit));
     else if (limit >= growth * dt && !shortened && patience == 0)
       dt *= growth;
-    else if (!adaptive && patience == 0)
+    else if (!is_adaptive && patience == 0)
       dt = std::min(step, growth * dt);
   }
 

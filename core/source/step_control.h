@@ -29,6 +29,13 @@ namespace feib
       double displacement_error = -1; // of the last step; negative: unknown
     };
 
+    /// Whether the state matters.
+    bool
+    adaptive() const
+    {
+      return is_adaptive;
+    }
+
     /// The step to take first.
     double start(const State &state);
 
@@ -65,7 +72,7 @@ namespace feib
     double allowed(const State &state) const;
 
     double step, end, shortest, longest, growth;
-    bool adaptive;
+    bool is_adaptive;
     double cfl = 0, stability = 0, tolerance = 0; // adaptive alone
     double n_steps = 0;                           // fixed alone
 

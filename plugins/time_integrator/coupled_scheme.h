@@ -9,8 +9,9 @@
 #include <feib/error.h>
 #include <feib/time_integrator.h>
 
+#include <algorithm>
 #include <cmath>
-#include <memory>
+#include <deque>
 
 namespace feib
 {
@@ -74,9 +75,14 @@ namespace feib
                const Configuration &geometry,
                Report &report) const;
 
-    /// The largest difference between u_s and the extrapolation of the last two velocities to its
-    /// time, at the structures' nodes (anywhere when there are none): 3/8 dt^2 u''.
-    double prediction_error(System &system, double tau) const;
+    /// An estimate of the error dt^3/12 u'' of the midpoint rule, from the second difference of the
+    /// velocities half way through the last three steps (which are free of the alternation that the
+    /// rule leaves in u^n); of the nodes, or of the fluid when there is no structure. Negative
+    /// while there are too few steps.
+    double error_estimate(const System &system,
+                          double time,
+                          double dt,
+                          const std::vector<NodalField<dim>> &U);
 
     /// Moves structure s by dt U and adds what that means to the report. J is at @p geometry.
     void move(System &system,
@@ -87,7 +93,23 @@ namespace feib
               double dt,
               Report &report) const;
 
+    static Body
+    body_of(const StructureModel<dim> &model)
+    {
+      return model.mesh().structure_dim() == dim ? Body::thick
+             : dim == 2                          ? Body::curve
+                                                 : Body::surface;
+    }
+
     const SchemeChoices choices;
+
+    /// What the structures' nodes did in the last steps, for the error estimate.
+    struct Motion
+    {
+      double time; // half way through the step
+      std::vector<NodalField<dim>> velocities;
+    };
+    std::deque<Motion> past;
   };
 
 
@@ -219,10 +241,9 @@ namespace feib
     if (choices.midpoint)
       report.numerical = 0;
 
-    if (choices.midpoint && space.old_dt > 0)
-      report.displacement_error = dt * prediction_error(system, tau);
-
     const Timers::Section section(system.timers, "accounting");
+    if (choices.midpoint)
+      report.displacement_error = error_estimate(system, time, dt, U);
     for (unsigned int s = 0; s < n; ++s)
       move(system, s, geometry[s], U[s], tau, dt, report);
 
@@ -238,26 +259,46 @@ namespace feib
 
   template <int dim>
   double
-  CoupledScheme<dim>::prediction_error(System &system, const double tau) const
+  CoupledScheme<dim>::error_estimate(const System &system,
+                                     const double time,
+                                     const double dt,
+                                     const std::vector<NodalField<dim>> &U)
   {
-    const Timers::Section section(system.timers, "coupling");
     const EulerianSpace<dim> &space = system.space;
-    const double ratio              = tau / space.old_dt;
-    VelocityVector difference       = space.velocity;
-    difference.zero_out_ghost_values();
-    difference.add(-1 - ratio, space.old_velocity, ratio, space.older_velocity);
-    difference.update_ghost_values();
-    if (system.structures.empty())
-      return difference.linfty_norm();
-    double largest = 0;
-    NodalField<dim> dU;
-    for (const ImmersedStructure<dim> &structure : system.structures)
+    if (U.empty())
       {
-        structure.motion->interpolate(space, difference, dU);
-        for (const auto &value : dU)
-          largest = std::max(largest, value.norm());
+        // u_s less the extrapolation of u^n and u^{n-1} is tau (tau + old dt)/2 u''.
+        if (!(space.old_dt > 0))
+          return -1;
+        const double tau = dt / 2, ratio = tau / space.old_dt;
+        VelocityVector difference = space.velocity;
+        difference.zero_out_ghost_values();
+        difference.add(-1 - ratio, space.old_velocity, ratio, space.older_velocity);
+        return dt * dt * dt / 6 * difference.linfty_norm() / (tau * (tau + space.old_dt));
       }
-    return largest;
+
+    // A step that is tried again forgets the first try.
+    const double middle = time + dt / 2;
+    while (!past.empty() && past.back().time > time)
+      past.pop_back();
+    double result = -1;
+    if (past.size() == 2)
+      {
+        // Divided by (t - t_1)(t - t_2), the difference to the line through the past is u''/2.
+        const double t_1 = past[1].time, t_2 = past[0].time;
+        const double ratio = (middle - t_1) / (t_1 - t_2);
+        double largest     = 0;
+        for (unsigned int s = 0; s < U.size(); ++s)
+          for (unsigned int i = 0; i < U[s].size(); ++i)
+            largest = std::max(largest,
+                               (U[s][i] - (1 + ratio) * past[1].velocities[s][i] +
+                                ratio * past[0].velocities[s][i])
+                                 .norm());
+        result = dt * dt * dt / 6 * largest / ((middle - t_1) * (middle - t_2));
+        past.pop_front();
+      }
+    past.push_back({middle, U});
+    return result;
   }
 
 
@@ -340,13 +381,13 @@ namespace feib
         {
           const StructureModel<dim> &model = *structure.model;
           const double dt                  = stable_step(structure_scales(model, model.positions),
-                                        model.mesh().structure_dim() == dim,
+                                        body_of(model),
                                         choices.midpoint,
                                         system.fluid.density(),
                                         system.fluid.viscosity(),
                                         system.space.smallest_edge());
           if (dt < result.dt)
-            result = {dt, model.name()};
+            result = {dt, model.name(), choices.midpoint ? "lagged_midpoint" : "lagged_be"};
         }
     return result;
   }
@@ -368,7 +409,7 @@ namespace feib
         const double h_s                 = model.mesh().diameter();
         const StructureScales scales     = structure_scales(model, model.positions);
         const double limit               = stable_step(scales,
-                                         m == dim,
+                                         body_of(model),
                                          choices.midpoint,
                                          system.fluid.density(),
                                          system.fluid.viscosity(),

@@ -59,6 +59,13 @@ namespace feib
     return result;
   }
 
+  enum class Body
+  {
+    thick,  // of the dimension of the space
+    curve,  // in two dimensions
+    surface // in three
+  };
+
   /// The largest stable step of a scheme that takes the elastic force explicitly.
   ///
   /// Linear analysis, for displacements of wave number k of a flat structure in a resting fluid. In
@@ -75,25 +82,33 @@ namespace feib
   /// by bisection (docs/choosing_a_scheme.md).
   inline double
   stable_step(const StructureScales &scales,
-              const bool thick,
+              const Body body,
               const bool midpoint,
               const double rho,
               const double mu,
               const double h_x)
   {
     using dealii::numbers::PI;
-    const double C = thick ? 1.9 : 1.3, T = 6;
-    const double k       = C * PI / h_x;
-    const auto impedance = [&](const double tau) {
-      if (thick)
-        return rho / tau + mu * k * k;
-      const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2);
-      const double across = k * (std::atan(T) - k / q * std::atan(T * k / q));
-      const double along  = q * std::atan(T * k / q) - k * std::atan(T);
-      return PI * mu * a2 / std::max(across, along);
+    const double C = body == Body::thick ? 1.9 : 1.3, T = 6;
+    const double k = C * PI / h_x;
+    // A surface in space has a third motion, along itself and along the crests of the wave: no
+    // pressure acts on it and both sums count.
+    const auto worst = [&](const double across, const double along) {
+      return body == Body::surface ? across + along : std::max(across, along);
     };
-    const double inertia = thick ? rho : PI * rho / (k * std::max(std::atan(T), T - std::atan(T)));
-    const auto stable    = [&](const double dt) {
+    const auto impedance = [&](const double tau) {
+      if (body == Body::thick)
+        return rho / tau + mu * k * k;
+      const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2), angle = std::atan(T * k / q);
+      // q - k, and atan T - atan(T k/q), without cancellation.
+      const double d      = a2 / (q + k);
+      const double gap    = std::atan(T * (d / q) / (1 + T * T * k / q));
+      const double across = k * (d / q * angle + gap), along = d * angle - k * gap;
+      return PI * mu * a2 / worst(across, along);
+    };
+    const double inertia =
+      body == Body::thick ? rho : PI * rho / (k * worst(std::atan(T), T - std::atan(T)));
+    const auto stable = [&](const double dt) {
       const double stiffness = scales.spatial_kappa * k * k;
       if (midpoint)
         return stiffness * dt * dt < 4 * (inertia + scales.excess_density);

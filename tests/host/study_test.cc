@@ -399,7 +399,7 @@ TEST_F(StudyInput, ThePageAndTheStudiesOfTheProjectAreCurrent)
     EXPECT_TRUE(holds(page, "`" + name)) << name;
 
   bool shows_one = false;
-  for (const auto &entry : fs::directory_iterator(FEIB_SOURCE "/studies"))
+  for (const auto &entry : fs::directory_iterator(FEIB_SOURCE "/docs/studies"))
     {
       const std::string text = read_file(entry.path().string());
       shows_one              = shows_one || holds(page, "```json\n" + text + "```");

@@ -61,11 +61,11 @@ namespace feib
       std::vector<Exchange> exchanges; // one per structure
     };
 
-    /// The largest stable step, and the structure that sets it.
+    /// The largest stable step, the structure that sets it and a scheme without such a limit.
     struct StabilityLimit
     {
       double dt = std::numeric_limits<double>::infinity();
-      std::string structure;
+      std::string structure, alternative;
     };
 
     virtual ~TimeIntegrator() = default;

@@ -115,6 +115,9 @@ namespace feib
       return sum;
     }
 
+    /// The nearest velocity (in L2) that is discretely divergence-free.
+    void project(Space &space);
+
     void prepare(const Space &space, double dt);
 
     void find_outflow_faces(const Space &space);
@@ -242,6 +245,40 @@ namespace feib
     space.distribute(space.velocity, false);
     space.pressure = 0.;
     space.pressure.update_ghost_values();
+    if (initial_velocity)
+      project(space);
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::project(Space &space)
+  {
+    levels           = level_matrices(space, rho);
+    VelocityVector r = space.make_velocity(), du = space.make_velocity();
+    PressureVector g = space.make_pressure(), multiplier = space.make_pressure();
+    apply_stokes(space, space.velocity, space.pressure, r, g);
+    g.compress(dealii::VectorOperation::add);
+    r.zero_out_ghost_values();
+    r = 0.;
+    direct.factorize(
+      space,
+      [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
+        const LevelMatrices &local = levels[space.cells()[c].level];
+        for (unsigned int i = 0; i < n_u; ++i)
+          for (unsigned int j = 0; j < n_u; ++j)
+            matrix(i, j) = local.mass[i * n_u + j];
+        for (unsigned int k = 0; k < n_p; ++k)
+          for (unsigned int j = 0; j < n_u; ++j)
+            matrix(n_u + k, j) = matrix(j, n_u + k) = -local.divergence[k * n_u + j];
+      },
+      true);
+    revision = 0; // neither the matrices nor the factorisation are those of a step
+    direct.solve(r, g, du, multiplier);
+    space.distribute(du, true);
+    space.velocity.zero_out_ghost_values();
+    space.velocity += du;
+    space.distribute(space.velocity, false);
   }
 
 
