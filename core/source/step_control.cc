@@ -52,7 +52,9 @@ namespace feib
   {
     // The last piece may be longer by round-off, but is never a sliver.
     const double rest = target() - present;
-    return rest <= dt * (1 + 1e-6) ? rest : dt;
+    if (rest <= dt * (1 + 1e-6))
+      return rest;
+    return is_adaptive && rest < 2 * dt ? rest / 2 : dt;
   }
 
 
