@@ -399,7 +399,7 @@ namespace feib
         {
           std::ostringstream text;
           text << std::setprecision(2) << "the energy has grown by " << 100 * gained / scale
-               << " % though no work was done: " << stability_sentence(ledger.last("dt"));
+               << " % beyond the work done: " << stability_sentence(ledger.last("dt"));
           throw RunFailure(text.str());
         }
     }
@@ -599,7 +599,10 @@ namespace feib
           }
         for (auto &entry : integrator->diagnostics(system(), dt))
           row.push_back(std::move(entry));
-        row.emplace_back("displacement_error", std::max(0., report.displacement_error));
+        row.emplace_back("displacement_error",
+                         std::isfinite(report.displacement_error)
+                           ? std::max(0., report.displacement_error)
+                           : 0.);
         row.emplace_back("cells", space->triangulation().n_global_active_cells());
         row.emplace_back("linear_iterations", report.linear_iterations);
         row.emplace_back("nonlinear_iterations", report.nonlinear_iterations);
@@ -785,9 +788,9 @@ namespace feib
         }
       catch (const RunFailure &failure)
         {
-          const std::string message = std::string(failure.what()) +
-                                      "; the last good state is step " + std::to_string(step) +
-                                      ", time " + std::to_string(time);
+          std::ostringstream text;
+          text << failure.what() << "; the last good state is step " << step << ", time " << time;
+          const std::string message = text.str();
           try
             {
               if (ledger.n_rows() > 0)

@@ -3,9 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace feib
 {
+  namespace
+  {
+    std::string
+    text(const double number)
+    {
+      std::ostringstream stream;
+      stream << number;
+      return stream.str();
+    }
+  } // namespace
+
+
   StepControl::StepControl(const Parameters &time, const double length)
     : step(time.number("step"))
     , end(time.number("end"))
@@ -30,11 +43,10 @@ namespace feib
         stability = control.number("stability");
         tolerance = control.number("tolerance") * length;
         if (shortest > longest)
-          control.fail("maximum_step",
-                       "is smaller than the smallest step, " + std::to_string(shortest));
+          control.fail("maximum_step", "is smaller than the smallest step, " + text(shortest));
       }
     if (shortest > step)
-      control.fail("minimum_step", "is larger than the step, " + std::to_string(step));
+      control.fail("minimum_step", "is larger than the step, " + text(step));
   }
 
 
@@ -66,7 +78,9 @@ namespace feib
     double result = std::min(longest, stability * state.stability_limit);
     if (state.cfl_rate > 0)
       result = std::min(result, cfl / state.cfl_rate);
-    if (state.displacement_error > 0)
+    if (std::isinf(state.displacement_error))
+      result = std::min(result, dt); // not known yet: no reason to grow
+    else if (state.displacement_error > 0)
       // The error of a step grows with its third power.
       result = std::min(result, dt * std::cbrt(.7 * tolerance / state.displacement_error));
     return std::max(result, shortest);
@@ -84,7 +98,7 @@ namespace feib
   bool
   StepControl::accurate(const double displacement_error) const
   {
-    return !is_adaptive || displacement_error <= tolerance;
+    return !is_adaptive || displacement_error <= tolerance || std::isinf(displacement_error);
   }
 
 

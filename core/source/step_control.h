@@ -26,7 +26,7 @@ namespace feib
     {
       double cfl_rate           = 0; // times dt is the CFL number
       double stability_limit    = std::numeric_limits<double>::infinity();
-      double displacement_error = -1; // of the last step; negative: unknown
+      double displacement_error = -1; // of the last step; negative: the scheme has none
     };
 
     /// Whether the state matters.

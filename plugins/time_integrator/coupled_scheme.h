@@ -269,7 +269,7 @@ namespace feib
       {
         // u_s less the extrapolation of u^n and u^{n-1} is tau (tau + old dt)/2 u''.
         if (!(space.old_dt > 0))
-          return -1;
+          return std::numeric_limits<double>::infinity();
         const double tau = dt / 2, ratio = tau / space.old_dt;
         VelocityVector difference = space.velocity;
         difference.zero_out_ghost_values();
@@ -281,23 +281,25 @@ namespace feib
     const double middle = time + dt / 2;
     while (!past.empty() && past.back().time > time)
       past.pop_back();
-    double result = -1;
-    if (past.size() == 2)
+    double result = std::numeric_limits<double>::infinity();
+    if (past.size() >= 2)
       {
+        const Motion &last = past.back(), &before = past[past.size() - 2];
         // Divided by (t - t_1)(t - t_2), the difference to the line through the past is u''/2.
-        const double t_1 = past[1].time, t_2 = past[0].time;
+        const double t_1 = last.time, t_2 = before.time;
         const double ratio = (middle - t_1) / (t_1 - t_2);
         double largest     = 0;
         for (unsigned int s = 0; s < U.size(); ++s)
           for (unsigned int i = 0; i < U[s].size(); ++i)
             largest = std::max(largest,
-                               (U[s][i] - (1 + ratio) * past[1].velocities[s][i] +
-                                ratio * past[0].velocities[s][i])
+                               (U[s][i] - (1 + ratio) * last.velocities[s][i] +
+                                ratio * before.velocities[s][i])
                                  .norm());
         result = dt * dt * dt / 6 * largest / ((middle - t_1) * (middle - t_2));
-        past.pop_front();
       }
     past.push_back({middle, U});
+    if (past.size() > 3) // the newest may have to be forgotten
+      past.pop_front();
     return result;
   }
 

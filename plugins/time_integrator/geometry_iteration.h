@@ -41,7 +41,8 @@ namespace feib
             {
               x.push_back(G[s][i][a]);
               f.push_back(g[s][i][a] - G[s][i][a]);
-              largest = std::max(largest, std::abs(f.back()));
+              if (!(std::abs(f.back()) <= largest)) // NaN too
+                largest = std::abs(f.back());
             }
       if (largest <= tolerance)
         return true;

@@ -73,7 +73,7 @@ TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
   const std::size_t stop = result.output.find("error: the energy has grown by ");
   ASSERT_NE(stop, std::string::npos) << result.output;
   EXPECT_LT(forecast, stop);
-  EXPECT_TRUE(holds(result.output.substr(stop), "though no work was done: " + advice));
+  EXPECT_TRUE(holds(result.output.substr(stop), "beyond the work done: " + advice));
   for (const auto &[column, values] : result.ledger)
     for (const double value : values)
       EXPECT_TRUE(std::isfinite(value)) << column;
@@ -143,8 +143,15 @@ TEST(StepControl, ErrorEstimateOfTheSecondOrderSchemes)
             "--set '/time/control={\"adaptive\": {\"tolerance\": " +
               tolerance + ", \"cfl\": 10}}'");
       ASSERT_EQ(result.exit_code, 0) << result.output;
-      for (const double error : result.ledger.at("displacement_error"))
-        EXPECT_LE(error, std::stod(tolerance));
+      const auto &errors = result.ledger.at("displacement_error");
+      for (unsigned int i = 0; i < errors.size(); ++i)
+        {
+          EXPECT_LE(errors[i], std::stod(tolerance));
+          if (i > 2) // known from the third step on, after rejected steps too
+            {
+              EXPECT_GT(errors[i], 0);
+            }
+        }
       steps.push_back(result.summary["steps"]);
       extents.push_back(result.summary["structures"][0]["extent"][0]);
     }

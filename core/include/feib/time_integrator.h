@@ -56,7 +56,7 @@ namespace feib
       double body_work                  = 0;
       double numerical                  = 0; // lost (gained when negative) by the time scheme
       /// An estimate of the error that this step adds to displacements [length]; negative: the
-      /// scheme has none.
+      /// scheme has none; infinite: there are not yet enough steps to tell.
       double displacement_error = -1;
       std::vector<Exchange> exchanges; // one per structure
     };

@@ -10,6 +10,7 @@
 #include <deal.II/lac/sparsity_tools.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace feib
 {
@@ -32,8 +33,20 @@ namespace feib
     }
 
 
+    /// A matrix of PETSc that is destroyed with its holder.
+    struct Destroy
+    {
+      void
+      operator()(Mat matrix) const
+      {
+        MatDestroy(&matrix);
+      }
+    };
+    using MatrixHolder = std::unique_ptr<std::remove_pointer_t<Mat>, Destroy>;
+
+
     /// A sparse matrix from entries in any order, of any rank's rows.
-    Mat
+    MatrixHolder
     matrix_from_entries(const MPI_Comm communicator,
                         const PetscInt local_rows,
                         const PetscInt local_columns,
@@ -49,12 +62,13 @@ namespace feib
         }
       Mat matrix;
       check(MatCreate(communicator, &matrix), "set-up");
+      MatrixHolder holder(matrix);
       check(MatSetSizes(matrix, local_rows, local_columns, PETSC_DETERMINE, PETSC_DETERMINE),
             "set-up");
       check(MatSetType(matrix, MATAIJ), "set-up");
       check(MatSetPreallocationCOO(matrix, rows.size(), rows.data(), columns.data()), "set-up");
       check(MatSetValuesCOO(matrix, values.data(), ADD_VALUES), "set-up");
-      return matrix;
+      return holder;
     }
   } // namespace
 
@@ -183,32 +197,31 @@ namespace feib
       return result;
     };
     const PetscInt columns = owned.n_elements();
-    Mat right =
+    const MatrixHolder right =
       matrix_from_entries(communicator, share(product.n_right), columns, condensed(product.right));
-    Mat middle = matrix_from_entries(communicator,
-                                     share(product.n_left),
-                                     share(product.n_right),
-                                     product.middle);
+    const MatrixHolder middle = matrix_from_entries(communicator,
+                                                    share(product.n_left),
+                                                    share(product.n_right),
+                                                    product.middle);
     Mat result;
     if (product.symmetric)
-      check(MatPtAP(middle, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &result), "a product");
+      check(MatPtAP(middle.get(), right.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &result),
+            "a product");
     else
       {
-        Mat left = matrix_from_entries(communicator,
-                                       share(product.n_left),
-                                       columns,
-                                       condensed(product.left));
+        const MatrixHolder left = matrix_from_entries(communicator,
+                                                      share(product.n_left),
+                                                      columns,
+                                                      condensed(product.left));
         Mat half;
-        check(MatMatMult(middle, right, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &half), "a product");
-        check(MatTransposeMatMult(left, half, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &result),
+        check(MatMatMult(middle.get(), right.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &half),
               "a product");
-        MatDestroy(&half);
-        MatDestroy(&left);
+        const MatrixHolder half_holder(half);
+        check(MatTransposeMatMult(left.get(), half, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &result),
+              "a product");
       }
+    const MatrixHolder result_holder(result);
     check(MatAXPY(matrix, 1., result, DIFFERENT_NONZERO_PATTERN), "a sum");
-    MatDestroy(&result);
-    MatDestroy(&middle);
-    MatDestroy(&right);
   }
 
 

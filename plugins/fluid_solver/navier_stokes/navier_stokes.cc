@@ -184,11 +184,12 @@ namespace feib
     std::vector<LevelMatrices> levels;
     std::vector<unsigned int> outflow_faces; // per cell, bit f for face f
     DirectSolver<dim> direct;
-    bool factor_outdated    = true;
-    bool factor_with_load   = false; // the implicit load is, or should be, in the factorisation
-    unsigned int iterations = 0;     // beyond the few that a fresh factorisation takes, since then
-    unsigned int uses       = 0;     // corrections computed with the factorisation,
-    unsigned int last_uses  = 0;     // and with the one before
+    bool factor_outdated        = true;
+    bool factor_with_load       = false; // the implicit load is, or should be, in the factorisation
+    bool factor_with_convection = false;
+    unsigned int iterations     = 0; // beyond the few that a fresh factorisation takes, since then
+    unsigned int uses           = 0; // corrections computed with the factorisation,
+    unsigned int last_uses      = 0; // and with the one before
     VelocityVector body_force_load;
   };
 
@@ -245,7 +246,8 @@ namespace feib
     space.distribute(space.velocity, false);
     space.pressure = 0.;
     space.pressure.update_ghost_values();
-    if (initial_velocity)
+    // Boundary values alone are not divergence-free either.
+    if (space.velocity.linfty_norm() > 0)
       project(space);
   }
 
@@ -317,9 +319,10 @@ namespace feib
       body_force_load = body_force_vector(space, 0.);
     if (revision != space.revision())
       find_outflow_faces(space);
-    revision        = space.revision();
-    factor_dt       = dt;
-    factor_outdated = true;
+    revision               = space.revision();
+    factor_dt              = dt;
+    factor_outdated        = true;
+    factor_with_convection = false;
   }
 
 
@@ -375,10 +378,11 @@ namespace feib
       },
       w == nullptr,
       load ? load->matrix() : std::vector<typename ImplicitLoad<dim>::Product>());
-    factor_outdated = false;
-    iterations      = 0;
-    last_uses       = uses;
-    uses            = 0;
+    factor_outdated        = false;
+    factor_with_convection = w != nullptr;
+    iterations             = 0;
+    last_uses              = uses;
+    uses                   = 0;
   }
 
 
@@ -540,7 +544,9 @@ namespace feib
     if (iterations > price)
       factor_outdated = factor_with_load = true;
     if (factor_outdated)
-      factorize(space, nullptr, factor_with_load ? step.implicit_load : nullptr);
+      factorize(space,
+                factor_with_convection ? &space.velocity : nullptr,
+                factor_with_load ? step.implicit_load : nullptr);
     if (convection != Convection::implicit && !step.implicit_load)
       {
         direct.solve(residual.momentum, residual.divergence, du, dp);

@@ -540,6 +540,38 @@ TEST(NavierStokes, ImplicitLoadJoinsTheMatrix)
     }
 }
 
+TEST(NavierStokes, TheInitialVelocityIsProjected)
+{
+  // Neither the nodal values of a solenoidal field nor boundary values alone are divergence-free in
+  // the discrete sense; the state after initialize() is, and keeps its boundary values.
+  const auto space =
+    feib::testing::make_space<2>("{\"cells\": [6, 6], \"boundary\": {\"y_max\": {\"velocity\": "
+                                 "{\"value\": [1, 0]}}}}");
+  feib::testing::refine_where(*space, [](const auto &x) { return x[0] < .5; });
+  for (const std::string more :
+       {"", ", \"initial_velocity\": [\"sin(pi*x)^2*sin(2*pi*y)\", \"-sin(pi*y)^2*sin(2*pi*x)\"]"})
+    {
+      const auto solver = make_solver<2>("{\"density\": 1, \"viscosity\": 0.1" + more + "}");
+      solver->initialize(*space);
+      const CellOperators<2> operators;
+      constexpr unsigned int n_u = CellOperators<2>::n_u, n_p = CellOperators<2>::n_p;
+      double largest = 0;
+      for (unsigned int c = 0; c < space->cells().size(); ++c)
+        {
+          const auto B = operators.divergence_matrix(space->cells()[c].size);
+          for (unsigned int k = 0; k < n_p; ++k)
+            {
+              double sum = 0;
+              for (unsigned int i = 0; i < n_u; ++i)
+                sum += B[k * n_u + i] * space->velocity.local_element(space->velocity_dofs(c)[i]);
+              largest = std::max(largest, std::abs(sum));
+            }
+        }
+      EXPECT_LT(dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD), 1e-14);
+      EXPECT_GE(solver->balance(*space).largest_velocity, 1);
+    }
+}
+
 TEST(NavierStokes, NewtonConvergesQuadraticallyForAnImplicitLoad)
 {
   const auto space = feib::testing::make_space<2>("{\"cells\": [6, 6]}");
