@@ -4,10 +4,65 @@
 #include <deal.II/grid/tria_accessor.h>
 #include <deal.II/grid/tria_iterator.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace feib
 {
+  namespace
+  {
+    /// Splits a convex polygon (or segment) by the plane x_a = c. A part without extent is empty;
+    /// what lies in the plane belongs to the upper part.
+    template <class Polygon>
+    void
+    split(const Polygon &polygon,
+          const unsigned int a,
+          const double c,
+          Polygon &below,
+          Polygon &above)
+    {
+      below.clear();
+      above.clear();
+      bool any_below = false, any_above = false;
+      for (const auto &corner : polygon)
+        {
+          any_below = any_below || corner.unit[a] < c;
+          any_above = any_above || corner.unit[a] > c;
+        }
+      if (!any_below || !any_above)
+        {
+          (any_below ? below : above) = polygon;
+          return;
+        }
+      const unsigned int n_edges = polygon.size() == 2 ? 1 : polygon.size();
+      for (unsigned int i = 0; i < polygon.size(); ++i)
+        {
+          const auto &p = polygon[i];
+          if (p.unit[a] <= c)
+            below.push_back(p);
+          if (p.unit[a] >= c)
+            above.push_back(p);
+          if (i == n_edges)
+            continue;
+          const auto &q = polygon[(i + 1) % polygon.size()];
+          if ((p.unit[a] < c && q.unit[a] > c) || (p.unit[a] > c && q.unit[a] < c))
+            {
+              auto crossing  = p;
+              const double t = (c - p.unit[a]) / (q.unit[a] - p.unit[a]);
+              for (unsigned int b = 0; b < p.barycentric.size(); ++b)
+                {
+                  crossing.unit[b] += t * (q.unit[b] - p.unit[b]);
+                  crossing.barycentric[b] += t * (q.barycentric[b] - p.barycentric[b]);
+                }
+              crossing.unit[a] = c;
+              below.push_back(crossing);
+              above.push_back(crossing);
+            }
+        }
+    }
+  } // namespace
+
+
   template <int dim>
   void
   CartesianForest<dim>::rebuild(
@@ -114,6 +169,99 @@ namespace feib
         index = nodes[index].first_child + child;
       }
     return nodes[index].cell;
+  }
+
+
+  template <int dim>
+  void
+  CartesianForest<dim>::cut(const std::array<dealii::Point<dim>, dim> &facet,
+                            const VisitPiece &visit) const
+  {
+    Polygon polygon(dim);
+    for (unsigned int k = 0; k < dim; ++k)
+      {
+        for (unsigned int a = 0; a < dim; ++a)
+          polygon[k].unit[a] = (facet[k][a] - lower[a]) * inverse_size[a];
+        polygon[k].barycentric.fill(0);
+        polygon[k].barycentric[k] = 1;
+      }
+    cut_base(polygon, 0, 0, 1, visit);
+  }
+
+
+  template <int dim>
+  void
+  CartesianForest<dim>::cut_base(const Polygon &polygon,
+                                 const unsigned int a,
+                                 const unsigned int index,
+                                 const unsigned int stride,
+                                 const VisitPiece &visit) const
+  {
+    if (a == dim)
+      {
+        cut_node(polygon, index, visit);
+        return;
+      }
+    const auto [least, largest] =
+      std::minmax_element(polygon.begin(), polygon.end(), [a](const Corner &p, const Corner &q) {
+        return p.unit[a] < q.unit[a];
+      });
+    const int n    = base_cells[a];
+    int first      = std::floor(least->unit[a]);
+    const int last = std::max(first, int(std::ceil(largest->unit[a])) - 1);
+    Polygon rest   = polygon, part, above;
+    for (int i = first; i <= last; ++i)
+      {
+        if (i < last)
+          {
+            split(rest, a, i + 1., part, above);
+            rest.swap(above);
+          }
+        else
+          part.swap(rest);
+        // What lies in the upper end of the box belongs to the last cell; ends overstepped by
+        // round-off too.
+        const int cell =
+          periodic[a] ? i - n * int(std::floor(double(i) / n)) : std::clamp(i, 0, n - 1);
+        for (Corner &corner : part)
+          corner.unit[a] -= periodic[a] ? i : cell;
+        cut_base(part, a + 1, index + stride * cell, stride * n, visit);
+      }
+  }
+
+
+  template <int dim>
+  void
+  CartesianForest<dim>::cut_node(const Polygon &polygon,
+                                 const unsigned int index,
+                                 const VisitPiece &visit) const
+  {
+    if (nodes[index].first_child < 0)
+      {
+        if (nodes[index].cell != not_here)
+          visit(nodes[index].cell, dealii::make_array_view(polygon));
+        return;
+      }
+    std::array<Polygon, 1 << dim> parts;
+    parts[0] = polygon;
+    Polygon whole;
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int child = 0; child < (1U << a); ++child)
+        {
+          whole.swap(parts[child]);
+          if (!whole.empty())
+            split(whole, a, .5, parts[child], parts[child + (1U << a)]);
+          else
+            parts[child].clear();
+        }
+    for (unsigned int child = 0; child < (1U << dim); ++child)
+      if (!parts[child].empty())
+        {
+          for (Corner &corner : parts[child])
+            for (unsigned int a = 0; a < dim; ++a)
+              corner.unit[a] = 2 * corner.unit[a] - (child >> a & 1U);
+          cut_node(parts[child], nodes[index].first_child + child, visit);
+        }
   }
 
 

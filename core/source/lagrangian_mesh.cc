@@ -247,6 +247,42 @@ namespace feib
                             element_list[face.elements[side]].nodes[k]) == face.nodes.begin() + m)
                 face.opposite[side] = k;
       }
+    surface_facets = find_surface();
+  }
+
+  template <int dim>
+  std::vector<std::array<unsigned int, dim>>
+  LagrangianMesh<dim>::find_surface() const
+  {
+    std::vector<std::array<unsigned int, dim>> facets;
+    if (m < dim)
+      for (const Element &element : element_list)
+        {
+          facets.emplace_back();
+          std::copy_n(element.nodes.begin(), dim, facets.back().begin());
+        }
+    else
+      for (const Face &face : face_list)
+        if (face.at_boundary())
+          {
+            // Without vertex k an element of positive orientation leaves an outward face when k is
+            // even.
+            facets.emplace_back();
+            const auto &nodes = element_list[face.elements[0]].nodes;
+            for (unsigned int l = 0, j = 0; l <= dim; ++l)
+              if (l != face.opposite[0])
+                facets.back()[j++] = nodes[l];
+            if (face.opposite[0] % 2 == 1)
+              std::swap(facets.back()[0], facets.back()[1]);
+          }
+    return facets;
+  }
+
+  template <int dim>
+  const std::vector<std::array<unsigned int, dim>> &
+  LagrangianMesh<dim>::surface() const
+  {
+    return surface_facets;
   }
 
   template <int dim>

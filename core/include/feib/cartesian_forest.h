@@ -2,6 +2,7 @@
 #ifndef feib_cartesian_forest_h
 #define feib_cartesian_forest_h
 
+#include <deal.II/base/array_view.h>
 #include <deal.II/base/point.h>
 #include <deal.II/distributed/tria.h>
 
@@ -33,10 +34,39 @@ namespace feib
     /// directions wrap.
     unsigned int locate(const dealii::Point<dim> &x, dealii::Point<dim> &unit) const;
 
+    /// A corner of a piece of a facet: its place in the unit cell, and its barycentric coordinates
+    /// in the facet.
+    struct Corner
+    {
+      dealii::Point<dim> unit;
+      std::array<double, dim> barycentric;
+    };
+
+    /// Called with a locally owned cell and the corners, in order, of a convex piece in it.
+    using VisitPiece =
+      std::function<void(unsigned int cell, const dealii::ArrayView<const Corner> &corners)>;
+
+    /// Cuts a facet, a segment (dim = 2) or triangle (dim = 3) inside the box, along the faces of
+    /// the cells, and visits the pieces in this rank's cells. Over all ranks the pieces make up the
+    /// facet: what lies in a face belongs to one cell of those beside it. Periodic directions wrap.
+    void cut(const std::array<dealii::Point<dim>, dim> &facet, const VisitPiece &visit) const;
+
     /// Whether x is finite and in the box (along periodic directions: not absurdly far away).
     bool inside(const dealii::Point<dim> &x) const;
 
   private:
+    using Polygon = std::vector<Corner>;
+
+    /// Cuts along the faces of the base cells across directions a, a + 1, ...
+    void cut_base(const Polygon &polygon,
+                  unsigned int a,
+                  unsigned int index,
+                  unsigned int stride,
+                  const VisitPiece &visit) const;
+
+    /// Cuts a piece inside a node of the tree along the node's middle planes.
+    void cut_node(const Polygon &polygon, unsigned int index, const VisitPiece &visit) const;
+
     struct Node
     {
       int first_child;   // or -1

@@ -85,6 +85,12 @@ namespace feib
     const std::vector<Element> &elements() const;
     const std::vector<Face> &faces() const;
 
+    /// The nodes of the facets of dimension dim - 1 that separate fluid from fluid or body: the
+    /// elements of a curve or surface, the boundary faces of a body (normals outward). In two
+    /// dimensions the normal lies to the right of the direction from the first node to the second,
+    /// in three the nodes turn to the left about it.
+    const std::vector<std::array<unsigned int, dim>> &surface() const;
+
     /// Whether the structure has no boundary face.
     bool closed() const;
 
@@ -101,10 +107,13 @@ namespace feib
     }
 
   private:
+    std::vector<std::array<unsigned int, dim>> find_surface() const;
+
     unsigned int m = dim;
     std::vector<dealii::Point<dim>> node_places;
     std::vector<Element> element_list;
     std::vector<Face> face_list;
+    std::vector<std::array<unsigned int, dim>> surface_facets;
     bool is_closed = false;
   };
 } // namespace feib
