@@ -5,7 +5,6 @@
 #include <feib/constitutive_law.h>
 #include <feib/expression.h>
 #include <feib/reference_mesh.h>
-#include <feib/registry.h>
 #include <feib/structure_model.h>
 
 #include <deal.II/base/derivative_form.h>
@@ -15,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 namespace feib
 {
@@ -32,7 +32,8 @@ namespace feib
     using Matrix = typename Law::Matrix;
     using Mesh   = LagrangianMesh<dim>;
 
-    explicit ElasticStructure(const Parameters &parameters);
+    /// The component makes the law, from the slot "law" of the same block.
+    ElasticStructure(const Parameters &parameters, std::unique_ptr<Law> constitutive_law);
 
     const std::string &
     name() const override
@@ -137,10 +138,11 @@ namespace feib
 
 
   template <int structure_dim, int dim>
-  ElasticStructure<structure_dim, dim>::ElasticStructure(const Parameters &parameters)
+  ElasticStructure<structure_dim, dim>::ElasticStructure(const Parameters &parameters,
+                                                         std::unique_ptr<Law> constitutive_law)
     : structure_name(parameters.string("name"))
     , reference_mesh(make_reference_mesh<dim>(parameters.child("mesh"), m))
-    , law(parameters.child("law").create<Law>())
+    , law(std::move(constitutive_law))
     , boundary_faces(parameters.boolean("boundary_faces"))
   {
     const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";

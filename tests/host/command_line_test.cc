@@ -88,7 +88,7 @@ TEST_F(CommandLine, DescribesComponents)
   const RunResult text = host("--describe neo_hookean");
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_TRUE(holds(text.output, "constitutive_law/neo_hookean, from neo_hookean")) << text.output;
-  EXPECT_TRUE(holds(text.output, "shear_modulus (number > 0, required)")) << text.output;
+  EXPECT_TRUE(holds(text.output, "shear_modulus (string or number > 0, required)")) << text.output;
   EXPECT_EQ(host("--describe constitutive_law/neo_hookean").output, text.output);
 
   const RunResult json = host("--describe neo_hookean --json");

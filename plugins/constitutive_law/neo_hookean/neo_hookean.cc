@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/constitutive_law.h>
+#include <feib/expression.h>
 #include <feib/plugin.h>
 
 #include "neo_hookean_schema.h"
@@ -7,21 +8,46 @@
 #include <deal.II/base/derivative_form.h>
 
 #include <cmath>
+#include <sstream>
 
 namespace feib
 {
   /// W = mu_e/2 |F|^2 [- mu_e ln J]. The derivative of ln J is G = F C^-1, which is F^-T for square
-  /// F.
+  /// F. The modulus mu_e is a function of the reference place.
   template <int structure_dim, int dim>
   class NeoHookean : public ConstitutiveLaw<structure_dim, dim>
   {
   public:
-    using Matrix = typename ConstitutiveLaw<structure_dim, dim>::Matrix;
+    using Law           = ConstitutiveLaw<structure_dim, dim>;
+    using Matrix        = typename Law::Matrix;
+    using MaterialPoint = typename Law::MaterialPoint;
 
     explicit NeoHookean(const Parameters &parameters)
-      : mu(parameters.number("shear_modulus"))
+      : pointer(parameters.pointer() + "/shear_modulus")
+      , modulus(parse_expressions<dim>(parameters, "shear_modulus", 1, Variables::reference))
       , stress_free(parameters.boolean("stress_free"))
     {}
+
+    void
+    set_points(const std::vector<MaterialPoint> &points) override
+    {
+      mu.clear();
+      mu.reserve(points.size());
+      for (const MaterialPoint &point : points)
+        {
+          const double value = modulus->value(point.place);
+          if (!(value > 0) || !std::isfinite(value))
+            {
+              std::ostringstream message;
+              message << "is " << value << " at the reference place (";
+              for (unsigned int i = 0; i < dim; ++i)
+                message << (i ? ", " : "") << point.place[i];
+              message << "); it must be finite and positive there";
+              throw Error(pointer, message.str());
+            }
+          mu.push_back(value);
+        }
+    }
 
     void
     energy(const std::vector<Matrix> &F, std::vector<double> &W) const override
@@ -30,9 +56,9 @@ namespace feib
       for (unsigned int q = 0; q < F.size(); ++q)
         {
           for (unsigned int i = 0; i < dim; ++i)
-            W[q] += mu / 2 * F[q][i].norm_square();
+            W[q] += mu[q] / 2 * F[q][i].norm_square();
           if (stress_free)
-            W[q] -= mu * std::log(Form(F[q]).determinant());
+            W[q] -= mu[q] * std::log(Form(F[q]).determinant());
         }
     }
 
@@ -44,7 +70,7 @@ namespace feib
         {
           const Form G = stress_free ? Form(F[q]).covariant_form() : Form();
           for (unsigned int i = 0; i < dim; ++i)
-            P[q][i] = mu * (F[q][i] - G[i]);
+            P[q][i] = mu[q] * (F[q][i] - G[i]);
         }
     }
 
@@ -58,7 +84,7 @@ namespace feib
       for (unsigned int q = 0; q < F.size(); ++q)
         {
           for (unsigned int i = 0; i < dim; ++i)
-            dP[q][i] = mu * dF[q][i];
+            dP[q][i] = mu[q] * dF[q][i];
           if (!stress_free)
             continue;
           Small C, A; // A = dF^T G + F^T dF C^-1
@@ -69,7 +95,7 @@ namespace feib
             A += outer_product(dF[q][i], F[q][i] * inverse) +
                  outer_product(F[q][i], dF[q][i] * inverse);
           for (unsigned int i = 0; i < dim; ++i)
-            dP[q][i] -= mu * (dF[q][i] * inverse - F[q][i] * inverse * A);
+            dP[q][i] -= mu[q] * (dF[q][i] * inverse - F[q][i] * inverse * A);
         }
     }
 
@@ -89,8 +115,10 @@ namespace feib
     using Form  = dealii::DerivativeForm<1, structure_dim, dim>;
     using Small = dealii::Tensor<2, structure_dim>;
 
-    double mu;
+    std::string pointer;
+    std::unique_ptr<dealii::Function<dim>> modulus;
     bool stress_free;
+    std::vector<double> mu; // one value per material point
   };
 } // namespace feib
 

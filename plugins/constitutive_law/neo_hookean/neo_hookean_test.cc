@@ -16,6 +16,7 @@ namespace
       registry().create<Law>("neo_hookean",
                              stress_free ? R"({"shear_modulus": 3, "stress_free": true})"
                                          : R"({"shear_modulus": 3})");
+    law->set_points(std::vector<typename Law::MaterialPoint>(1));
     EXPECT_EQ(law->needs_positive_determinant(), stress_free);
     std::vector<typename Law::Matrix> F(1), P;
     for (unsigned int k = 0; k < structure_dim; ++k)
@@ -44,6 +45,7 @@ TEST(NeoHookean, StretchedCurve)
   const auto law =
     registry().create<feib::ConstitutiveLaw<1, 2>>("neo_hookean",
                                                    R"({"shear_modulus": 1, "stress_free": true})");
+  law->set_points(std::vector<feib::ConstitutiveLaw<1, 2>::MaterialPoint>(1));
   std::vector<feib::ConstitutiveLaw<1, 2>::Matrix> F(1), P;
   std::vector<double> W;
   F[0][1][0] = -2;
@@ -52,4 +54,70 @@ TEST(NeoHookean, StretchedCurve)
   EXPECT_DOUBLE_EQ(W[0], 2 - std::log(2.));
   EXPECT_DOUBLE_EQ(P[0][0][0], 0.);
   EXPECT_DOUBLE_EQ(P[0][1][0], -1.5);
+}
+
+namespace
+{
+  using Law = feib::ConstitutiveLaw<2, 2>;
+
+  /// The stresses at F = I at the places (0.6, 0.5) and (0, 1): mu_e there.
+  std::vector<Law::Matrix>
+  stress_at_two_places(const std::string &parameters)
+  {
+    const auto law = registry().create<Law>("neo_hookean", parameters);
+    std::vector<Law::MaterialPoint> points(2);
+    points[0].place = dealii::Point<2>(.6, .5);
+    points[1].place = dealii::Point<2>(0, 1);
+    law->set_points(points);
+    EXPECT_TRUE(law->linear());
+    std::vector<Law::Matrix> F(2), P;
+    for (Law::Matrix &A : F)
+      A[0][0] = A[1][1] = 1;
+    law->stress(F, P);
+    return P;
+  }
+
+  std::string
+  error_of(const std::string &parameters)
+  {
+    try
+      {
+        stress_at_two_places(parameters);
+      }
+    catch (const feib::Error &error)
+      {
+        return error.issues().front().pointer + ": " + error.issues().front().message;
+      }
+    return "";
+  }
+} // namespace
+
+TEST(NeoHookean, ModulusIsAnExpressionOfTheReferencePlace)
+{
+  const auto P =
+    stress_at_two_places(R"({"shear_modulus": "(s1-0.6)^2+(s2-0.5)^2 < 0.01 ? 5 : 1"})");
+  EXPECT_EQ(P[0][0][0], 5);
+  EXPECT_EQ(P[0][1][1], 5);
+  EXPECT_EQ(P[1][0][0], 1);
+  EXPECT_EQ(P[1][1][1], 1);
+  EXPECT_EQ(stress_at_two_places(R"({"shear_modulus": "0 * s1 + 0.1"})"),
+            stress_at_two_places(R"({"shear_modulus": 0.1})"));
+}
+
+TEST(NeoHookean, SaysWhereTheModulusIsWrong)
+{
+  EXPECT_EQ(error_of(R"({"shear_modulus": "s1 - 0.25"})"),
+            "/shear_modulus: is -0.25 at the reference place (0, 1); it must be finite and "
+            "positive there");
+  EXPECT_EQ(error_of(R"({"shear_modulus": "0.6 - s1"})"),
+            "/shear_modulus: is 0 at the reference place (0.6, 0.5); it must be finite and "
+            "positive there");
+  EXPECT_EQ(error_of(R"({"shear_modulus": "1 / s1"})"),
+            "/shear_modulus: is inf at the reference place (0, 1); it must be finite and positive "
+            "there");
+  EXPECT_NE(
+    error_of(R"j({"shear_modulus": "sqrt(0.75 - s2)"})j").find("nan at the reference place"),
+    std::string::npos);
+  EXPECT_EQ(error_of(R"({"shear_modulus": 0})").substr(0, 14), "/shear_modulus");
+  EXPECT_EQ(error_of(R"({"shear_modulus": "mu"})").substr(0, 14), "/shear_modulus");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "../elastic_structure.h"
+#include "../volumetric_split.h"
 
 #include <feib/plugin.h>
 
@@ -12,7 +13,22 @@ namespace feib
   class Hyperelastic : public ElasticStructure<dim, dim>
   {
   public:
-    using ElasticStructure<dim, dim>::ElasticStructure;
+    explicit Hyperelastic(const Parameters &parameters)
+      : ElasticStructure<dim, dim>(parameters, make_law(parameters))
+    {}
+
+  private:
+    /// The law as chosen, or split when one of the options asks for it.
+    static std::unique_ptr<ConstitutiveLaw<dim, dim>>
+    make_law(const Parameters &parameters)
+    {
+      auto law              = parameters.child("law").create<ConstitutiveLaw<dim, dim>>();
+      const bool deviatoric = parameters.boolean("deviatoric");
+      const double k        = parameters.number("volumetric_modulus");
+      if (deviatoric || k > 0)
+        return std::make_unique<VolumetricSplit<dim>>(std::move(law), deviatoric, k);
+      return law;
+    }
   };
 } // namespace feib
 

@@ -256,6 +256,54 @@ TEST(Hyperelastic, InvertedElementStopsTheRun)
   EXPECT_NO_THROW(make_model<2>(component, disc, neo_hookean)->load(X, f));
 }
 
+namespace
+{
+  const std::string deviatoric = R"("deviatoric": true)";
+  const std::string volumetric = R"("volumetric_modulus": 3)";
+} // namespace
+
+// One F on the unit square, so the energy is its density: |F|^2, or |F|^2/J when deviatoric, and
+// k/2 (ln J)^2 with the modulus.
+TEST(Hyperelastic, OptionsOfTheLawSplitShapeAndVolume)
+{
+  const std::string square = R"({"rectangle": {"cells": [3, 2]}})";
+  const std::string map    = R"(, "initial_position": ["1.5 * s1 + 0.2 * s2", "0.9 * s2"])";
+  const auto energy        = [&](const std::string &options) {
+    const auto model = make_model<2>(component, square, neo_hookean, options + map);
+    EXPECT_FALSE(model->linear());
+    return model->energy(model->positions);
+  };
+  const double J = 1.5 * .9, F_squared = 1.5 * 1.5 + .2 * .2 + .9 * .9;
+  const double volume = 3. / 2 * std::log(J) * std::log(J);
+  EXPECT_NEAR(energy(deviatoric), F_squared / J, 1e-14);
+  EXPECT_NEAR(energy(volumetric), F_squared + volume, 1e-14);
+  EXPECT_NEAR(energy(deviatoric + ", " + volumetric), F_squared / J + volume, 1e-14);
+}
+
+TEST(Hyperelastic, WithoutOptionsTheLawIsAsItIs)
+{
+  const auto plain = make_model<2>(component, disc, neo_hookean);
+  const auto off =
+    make_model<2>(component, disc, neo_hookean, R"("deviatoric": false, "volumetric_modulus": 0)");
+  EXPECT_TRUE(off->linear());
+  EXPECT_EQ(load(*off, shaken(*off)), load(*plain, shaken(*plain)));
+}
+
+TEST(Hyperelastic, OptionsOfTheLawNeedPositiveDeterminants)
+{
+  const std::string mirror = R"(, "initial_position": ["-s1", "s2"])";
+  for (const std::string &option : {deviatoric, volumetric})
+    {
+      EXPECT_TRUE(contains(error_of<2>(component, disc, neo_hookean, option + mirror),
+                           "/initial_position: inverts element "));
+      const auto model = make_model<2>(component, disc, neo_hookean, option);
+      Positions<2> X   = model->positions;
+      X[0]             = dealii::Point<2>(5, 0);
+      EXPECT_THROW(load(*model, X), RunFailure);
+      EXPECT_THROW(model->energy(X), RunFailure);
+    }
+}
+
 // --- meshes
 
 TEST(Hyperelastic, Meshes)
@@ -474,4 +522,8 @@ TEST(Hyperelastic, SaysWhatIsWrongWithTheRest)
                 R"({"rectangle": {"cells": [1, 4]}})",
                 R"({"anisotropic_linear": {"stiffness": 1, "fibres": [["s2 > 0.8 ? 0 : 1", 0]]}})"),
     "/law/anisotropic_linear/fibres/0: has no direction"));
+  EXPECT_TRUE(contains(error_of<2>(component,
+                                   R"({"rectangle": {"cells": [1, 4]}})",
+                                   R"({"neo_hookean": {"shear_modulus": "0.8 - s2"}})"),
+                       "/law/neo_hookean/shear_modulus: is -"));
 }

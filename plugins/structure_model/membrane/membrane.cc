@@ -12,7 +12,11 @@ namespace feib
   class Membrane : public ElasticStructure<dim - 1, dim>
   {
   public:
-    using ElasticStructure<dim - 1, dim>::ElasticStructure;
+    explicit Membrane(const Parameters &parameters)
+      : ElasticStructure<dim - 1, dim>(
+          parameters,
+          parameters.child("law").create<ConstitutiveLaw<dim - 1, dim>>())
+    {}
   };
 } // namespace feib
 
