@@ -1,4 +1,242 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/fluid_solver.h>
 #include <feib/testing/coupling_operator_kit.h>
 
 FEIB_TEST_COUPLING_OPERATOR("divergence_free")
+
+namespace
+{
+  using namespace feib;
+
+  /// The boundary of a mesh, a closed curve or surface.
+  template <int dim>
+  LagrangianMesh<dim>
+  boundary(const LagrangianMesh<dim> &mesh)
+  {
+    std::vector<unsigned int> number(mesh.n_nodes(), LagrangianMesh<dim>::invalid);
+    std::vector<dealii::Point<dim>> nodes;
+    std::vector<typename LagrangianMesh<dim>::Simplex> simplices;
+    for (const auto &facet : mesh.surface())
+      {
+        simplices.emplace_back();
+        for (unsigned int v = 0; v < dim; ++v)
+          {
+            if (number[facet[v]] == LagrangianMesh<dim>::invalid)
+              {
+                number[facet[v]] = nodes.size();
+                nodes.push_back(mesh.nodes()[facet[v]]);
+              }
+            simplices.back().nodes[v]   = number[facet[v]];
+            simplices.back().corners[v] = mesh.nodes()[facet[v]];
+          }
+      }
+    return LagrangianMesh<dim>(dim - 1, nodes, simplices);
+  }
+
+  /// N_i: the force of a uniform pressure of one, and the gradient of what is enclosed.
+  template <int dim>
+  NodalField<dim>
+  vector_areas(const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
+  {
+    NodalField<dim> N(X.size());
+    for (const auto &facet : mesh.surface())
+      {
+        dealii::Tensor<1, dim> n;
+        if constexpr (dim == 2)
+          n = cross_product_2d(X[facet[1]] - X[facet[0]]);
+        else
+          n = .5 * cross_product_3d(X[facet[1]] - X[facet[0]], X[facet[2]] - X[facet[0]]);
+        for (const unsigned int i : facet)
+          N[i] += n / dim;
+      }
+    return N;
+  }
+
+  enum class Shape
+  {
+    ragged, // nodes anywhere
+    aligned // facets in the faces, edges and corners of the cells
+  };
+
+  template <int dim>
+  struct Setting
+  {
+    Setting(const Shape shape, const bool body, const bool refined)
+      : space(feib::testing::make_space<dim>(dim == 2 ? "{\"cells\": [8, 8]}"
+                                                      : "{\"cells\": [4, 4, 4]}"))
+      , mesh(feib::testing::make_simplex_mesh<dim>(dim, dim == 2 ? 12 : 4))
+      , fluid(feib::testing::registry().create<FluidSolver<dim>>(
+          "navier_stokes",
+          "{\"density\": 1, \"viscosity\": 0.01, \"convection\": \"none\"}"))
+    {
+      if (!body)
+        mesh = boundary(mesh);
+      if (refined)
+        feib::testing::refine_where(*space, [](const auto &x) { return x[0] + x[1] < .8; });
+      std::mt19937 random(3);
+      std::uniform_real_distribution<double> uniform(-1, 1);
+      for (const dealii::Point<dim> &s : mesh.nodes())
+        {
+          X.push_back(s);
+          for (unsigned int a = 0; a < dim; ++a)
+            X.back()[a] =
+              .25 + .5 * s[a] +
+              (shape == Shape::ragged ? .07 * s[0] + .1 * s[a] * s[1] + .008 * uniform(random)
+                                      : 0.);
+        }
+      fluid->initialize(*space);
+    }
+
+    /// One step of the fluid under a load.
+    void
+    advance(const VelocityVector &load)
+    {
+      space->old_velocity   = space->velocity;
+      space->older_velocity = space->velocity;
+      fluid->advance(*space, {.01, .01, load});
+    }
+
+    std::unique_ptr<EulerianSpace<dim>> space;
+    LagrangianMesh<dim> mesh;
+    Positions<dim> X;
+    std::unique_ptr<FluidSolver<dim>> fluid;
+  };
+
+  template <int dim>
+  std::unique_ptr<CouplingOperator<dim>>
+  make_coupling(const std::string &name, const Setting<dim> &setting)
+  {
+    auto coupling = feib::testing::registry().create<CouplingOperator<dim>>(name);
+    coupling->set_geometry(*setting.space,
+                           setting.mesh,
+                           setting.X,
+                           LagrangianPoints::nodes(setting.X.size()));
+    return coupling;
+  }
+
+  /// The largest velocity that a uniform pressure of one on the surface makes in a step.
+  template <int dim>
+  double
+  spurious_velocity(const std::string &coupling, Setting<dim> &&setting)
+  {
+    VelocityVector load = setting.space->make_velocity();
+    make_coupling(coupling, setting)
+      ->spread(*setting.space, vector_areas(setting.mesh, setting.X), load);
+    setting.advance(load);
+    return setting.space->velocity.linfty_norm();
+  }
+
+  /// The change of what the surface encloses, over the sum of its parts, in a velocity that some
+  /// load has made.
+  template <int dim>
+  double
+  volume_rate(const std::string &coupling, Setting<dim> &&setting)
+  {
+    VelocityVector load = setting.space->make_velocity();
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (dealii::types::global_dof_index i = 0; i < load.size(); ++i)
+      {
+        const double value = uniform(random); // the same on any number of ranks
+        if (load.in_local_range(i))
+          load(i) = value;
+      }
+    setting.advance(load);
+    NodalField<dim> U;
+    make_coupling(coupling, setting)->interpolate(*setting.space, setting.space->velocity, U);
+    const NodalField<dim> N = vector_areas(setting.mesh, setting.X);
+    double sum = 0, scale = 0;
+    for (unsigned int i = 0; i < U.size(); ++i)
+      {
+        sum += N[i] * U[i];
+        scale += std::abs(N[i] * U[i]);
+      }
+    EXPECT_GT(scale, 0);
+    return std::abs(sum) / scale;
+  }
+
+  template <int dim>
+  void
+  check_all(const bool body)
+  {
+    for (const bool refined : {false, true})
+      for (const Shape shape : {Shape::ragged, Shape::aligned})
+        {
+          SCOPED_TRACE("dim " + std::to_string(dim) + (body ? ", body" : "") +
+                       (refined ? ", refined" : "") + (shape == Shape::aligned ? ", aligned" : ""));
+          EXPECT_LT(spurious_velocity("divergence_free", Setting<dim>(shape, body, refined)),
+                    1e-12);
+          EXPECT_LT(volume_rate("divergence_free", Setting<dim>(shape, body, refined)), 1e-12);
+        }
+    EXPECT_GT(spurious_velocity("variational", Setting<dim>(Shape::ragged, body, true)), 1e-5);
+    EXPECT_GT(volume_rate("variational", Setting<dim>(Shape::ragged, body, true)), 1e-5);
+  }
+} // namespace
+
+TEST(DivergenceFree, UniformPressureMovesNothingAndVolumeStays)
+{
+  check_all<2>(false);
+  check_all<3>(false);
+}
+
+TEST(DivergenceFree, SoDoesTheBoundaryOfABody)
+{
+  check_all<2>(true);
+  check_all<3>(true);
+}
+
+/// An open curve that stands on a wall with both ends encloses fluid with it.
+TEST(DivergenceFree, AnArchOnAWallKeepsItsFluid)
+{
+  const auto rate = [](const std::string &coupling) {
+    Setting<2> setting(Shape::ragged, false, true);
+    setting.mesh = feib::testing::make_simplex_mesh<2>(1, 40);
+    setting.X.clear();
+    for (const auto &s : setting.mesh.nodes())
+      setting.X.emplace_back(.2 + .6 * s[0], s[0] == 0 || s[0] == 1 ? 0 : 2.4 * s[0] * (1 - s[0]));
+    return volume_rate(coupling, std::move(setting));
+  };
+  EXPECT_LT(rate("divergence_free"), 1e-12);
+  EXPECT_GT(rate("variational"), 1e-5);
+}
+
+/// A curve that lies in a wall does not move with a fluid that sticks to it.
+TEST(DivergenceFree, ACurveInAWallRests)
+{
+  Setting<2> setting(Shape::ragged, false, false);
+  setting.mesh = feib::testing::make_simplex_mesh<2>(1, 10);
+  setting.X.clear();
+  for (const auto &s : setting.mesh.nodes())
+    setting.X.emplace_back(.1 + .7 * s[0], 1.);
+  VelocityVector load = setting.space->make_velocity();
+  std::mt19937 random(5);
+  for (unsigned int i = 0; i < load.locally_owned_size(); ++i)
+    load.local_element(i) = random() % 100;
+  setting.advance(load);
+  NodalField<2> U;
+  make_coupling("divergence_free", setting)
+    ->interpolate(*setting.space, setting.space->velocity, U);
+  ASSERT_GT(setting.space->velocity.linfty_norm(), 1e-2);
+  for (unsigned int i = 0; i < U.size(); ++i)
+    EXPECT_NEAR(U[i][1], 0, 1e-13); // R u slips along a wall
+}
+
+/// Where segments fold back on each other the map would be large: it becomes the plain average.
+TEST(DivergenceFree, FoldsAreHarmless)
+{
+  Setting<2> setting(Shape::ragged, false, false);
+  setting.mesh = feib::testing::make_simplex_mesh<2>(1, 10);
+  setting.X.clear();
+  for (const auto &s : setting.mesh.nodes())
+    setting.X.emplace_back(.3 + .4 * (s[0] <= .5 ? s[0] : 1 - s[0]), .4);
+  const auto coupling = make_coupling("divergence_free", setting);
+  std::vector<double> sums(setting.X.size() * 2, 0.);
+  for (const MatrixEntry &entry : coupling->entries(*setting.space))
+    sums[entry.row] += std::abs(entry.value);
+  for (double &sum : sums)
+    {
+      sum = dealii::Utilities::MPI::sum(sum, MPI_COMM_WORLD);
+      EXPECT_LT(sum, 10);
+      EXPECT_GT(sum, .9);
+    }
+}
