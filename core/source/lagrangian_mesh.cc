@@ -247,42 +247,69 @@ namespace feib
                             element_list[face.elements[side]].nodes[k]) == face.nodes.begin() + m)
                 face.opposite[side] = k;
       }
-    surface_facets = find_surface();
+    find_facets();
   }
 
   template <int dim>
-  std::vector<std::array<unsigned int, dim>>
-  LagrangianMesh<dim>::find_surface() const
+  void
+  LagrangianMesh<dim>::find_facets()
   {
-    std::vector<std::array<unsigned int, dim>> facets;
+    surface_facets.clear();
+    interface_facets.clear();
     if (m < dim)
       for (const Element &element : element_list)
         {
-          facets.emplace_back();
-          std::copy_n(element.nodes.begin(), dim, facets.back().begin());
+          surface_facets.emplace_back();
+          std::copy_n(element.nodes.begin(), dim, surface_facets.back().begin());
         }
     else
       for (const Face &face : face_list)
-        if (face.at_boundary())
-          {
-            // Without vertex k an element of positive orientation leaves an outward face when k is
-            // even.
-            facets.emplace_back();
-            const auto &nodes = element_list[face.elements[0]].nodes;
-            for (unsigned int l = 0, j = 0; l <= dim; ++l)
-              if (l != face.opposite[0])
-                facets.back()[j++] = nodes[l];
-            if (face.opposite[0] % 2 == 1)
-              std::swap(facets.back()[0], facets.back()[1]);
-          }
-    return facets;
+        {
+          // Seen from the element of the smaller material id.
+          unsigned int side = 0;
+          if (!face.at_boundary())
+            {
+              const unsigned int id       = element_list[face.elements[0]].material_id;
+              const unsigned int other_id = element_list[face.elements[1]].material_id;
+              if (id == other_id)
+                continue;
+              side = other_id < id;
+            }
+          // Without vertex k an element of positive orientation leaves an outward face when k is
+          // even.
+          Facet facet;
+          const auto &nodes = element_list[face.elements[side]].nodes;
+          for (unsigned int l = 0, j = 0; l <= dim; ++l)
+            if (l != face.opposite[side])
+              facet[j++] = nodes[l];
+          if (face.opposite[side] % 2 == 1)
+            std::swap(facet[0], facet[1]);
+          (face.at_boundary() ? surface_facets : interface_facets).push_back(facet);
+        }
   }
 
   template <int dim>
-  const std::vector<std::array<unsigned int, dim>> &
+  const std::vector<typename LagrangianMesh<dim>::Facet> &
   LagrangianMesh<dim>::surface() const
   {
     return surface_facets;
+  }
+
+  template <int dim>
+  const std::vector<typename LagrangianMesh<dim>::Facet> &
+  LagrangianMesh<dim>::interfaces() const
+  {
+    return interface_facets;
+  }
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::set_materials(const std::vector<unsigned int> &material_ids)
+  {
+    AssertDimension(material_ids.size(), element_list.size());
+    for (unsigned int e = 0; e < element_list.size(); ++e)
+      element_list[e].material_id = material_ids[e];
+    find_facets();
   }
 
   template <int dim>

@@ -2,6 +2,7 @@
 #include "error_norms.h"
 #include "json.h"
 #include "step_control.h"
+#include "structure_summary.h"
 
 #include <feib/expression.h>
 #include <feib/ledger.h>
@@ -112,6 +113,7 @@ namespace feib
       std::unique_ptr<EulerianSpace<dim>> space;
       std::unique_ptr<FluidSolver<dim>> fluid;
       std::vector<ImmersedStructure<dim>> structures;
+      std::vector<Positions<dim>> initial_positions; // of each structure
       std::unique_ptr<TimeIntegrator<dim>> integrator;
       std::unique_ptr<RefinementStrategy<dim>> refinement;
       std::vector<std::unique_ptr<OutputWriter<dim>>> writers;
@@ -243,6 +245,7 @@ namespace feib
                   block.fail(block.has("initial_position") ? "initial_position" : "mesh",
                              message.str());
                 }
+          initial_positions.push_back(structure.model->positions);
           structures.push_back(std::move(structure));
         });
     }
@@ -698,34 +701,8 @@ namespace feib
                                : 0.}};
       result["structures"] = Json::array();
       for (unsigned int s = 0; s < structures.size(); ++s)
-        {
-          const StructureModel<dim> &model = *structures[s].model;
-          const std::string column         = "measure_" + model.name();
-          const double measure             = model.measure(model.positions);
-          const double initial = ledger.n_rows() > 0 ? ledger.value(column, 0) : measure;
-          const dealii::Point<dim> centroid = model.centroid(model.positions);
-          dealii::Point<dim> low = model.positions[0], high = model.positions[0];
-          for (const auto &X : model.positions)
-            for (unsigned int a = 0; a < dim; ++a)
-              {
-                low[a]  = std::min(low[a], X[a]);
-                high[a] = std::max(high[a], X[a]);
-              }
-          Json centre = Json::array(), extent = Json::array();
-          for (unsigned int a = 0; a < dim; ++a)
-            {
-              centre.push_back(centroid[a]);
-              extent.push_back(high[a] - low[a]);
-            }
-          result["structures"].push_back({{"name", model.name()},
-                                          {"measure_initial", initial},
-                                          {"measure_final", measure},
-                                          {"relative_measure_change", measure / initial - 1},
-                                          {"relative_leak", totals.leak[s] / initial},
-                                          {"relative_time_error", totals.time_error[s] / initial},
-                                          {"centroid", centre},
-                                          {"extent", extent}});
-        }
+        result["structures"].push_back(structure_summary(
+          *structures[s].model, initial_positions[s], totals.leak[s], totals.time_error[s]));
       if (exact_velocity)
         {
           const ErrorNorms norms = error_norms(*space, time, *exact_velocity, exact_pressure.get());

@@ -99,6 +99,8 @@ namespace feib
 
     Positions<dim> initial_positions(const Parameters &parameters) const;
 
+    void set_materials(const Parameters &parameters);
+
     /// Gives the law its points. What it throws on one rank is thrown on all.
     void set_points(const std::vector<typename Law::MaterialPoint> &material_points);
 
@@ -152,6 +154,9 @@ namespace feib
         "must be made of letters, digits and _, as columns of the ledger carry it; found \"" +
           structure_name + "\"");
 
+    if constexpr (m == dim)
+      if (parameters.has("material"))
+        set_materials(parameters);
     std::tie(first, last) = reference_mesh.local_elements();
     element_faces.resize(reference_mesh.n_elements() * (m + 1));
     for (unsigned int f = 0; f < reference_mesh.faces().size(); ++f)
@@ -196,6 +201,29 @@ namespace feib
                           "): det F = " + std::to_string(inverted->determinant) +
                           "; the law needs det F > 0 everywhere");
       }
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::set_materials(const Parameters &parameters)
+  {
+    const auto material = parse_expressions<dim>(parameters, "material", 1, Variables::reference);
+    std::vector<unsigned int> ids;
+    for (const auto &element : reference_mesh.elements())
+      {
+        const double id = material->value(element.centroid);
+        if (!(id > -.5 && id < 1e9))
+          {
+            std::string place;
+            for (unsigned int i = 0; i < dim; ++i)
+              place += (i ? ", " : "") + std::to_string(element.centroid[i]);
+            parameters.fail("material",
+                            "is " + std::to_string(id) + " at the reference place (" + place +
+                              "); it must be 0, 1, 2, ... there");
+          }
+        ids.push_back(std::lround(id));
+      }
+    reference_mesh.set_materials(ids);
   }
 
   template <int structure_dim, int dim>

@@ -14,7 +14,8 @@ namespace feib
 {
   /// A hyperelastic law: W(F), P = dW/dF and dP(F)[dF] for arrays of deformation gradients. F and P
   /// are matrices of dim rows and structure_dim columns, F[i][k] = dX_i/ds_k. W is an energy per
-  /// reference volume (structure_dim = dim) or per reference length or area (structure_dim = dim-1).
+  /// reference volume (structure_dim = dim) or per reference length or area (structure_dim =
+  /// dim-1).
   template <int structure_dim, int dim>
   class ConstitutiveLaw
   {
@@ -27,9 +28,9 @@ namespace feib
     /// columns of F refer to (column k: derivative along frame[k]) and the material id of the mesh.
     struct MaterialPoint
     {
-      dealii::Point<dim>                                place;
+      dealii::Point<dim> place;
       std::array<dealii::Tensor<1, dim>, structure_dim> frame;
-      unsigned int                                      material_id = 0;
+      unsigned int material_id = 0;
     };
 
     virtual ~ConstitutiveLaw() = default;
@@ -42,17 +43,14 @@ namespace feib
       (void)points;
     }
 
-    virtual void
-    energy(const std::vector<Matrix> &F, std::vector<double> &W) const = 0;
+    virtual void energy(const std::vector<Matrix> &F, std::vector<double> &W) const = 0;
 
-    virtual void
-    stress(const std::vector<Matrix> &F, std::vector<Matrix> &P) const = 0;
+    virtual void stress(const std::vector<Matrix> &F, std::vector<Matrix> &P) const = 0;
 
     /// dP = d2W/dF2 [dF]
-    virtual void
-    stress_derivative(const std::vector<Matrix> &F,
-                      const std::vector<Matrix> &dF,
-                      std::vector<Matrix>       &dP) const = 0;
+    virtual void stress_derivative(const std::vector<Matrix> &F,
+                                   const std::vector<Matrix> &dF,
+                                   std::vector<Matrix> &dP) const = 0;
 
     /// Whether P is linear in F, so that dP does not depend on F.
     virtual bool

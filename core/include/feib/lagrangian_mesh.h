@@ -85,11 +85,20 @@ namespace feib
     const std::vector<Element> &elements() const;
     const std::vector<Face> &faces() const;
 
-    /// The nodes of the facets of dimension dim - 1 that separate fluid from fluid or body: the
-    /// elements of a curve or surface, the boundary faces of a body (normals outward). In two
-    /// dimensions the normal lies to the right of the direction from the first node to the second,
-    /// in three the nodes turn to the left about it.
-    const std::vector<std::array<unsigned int, dim>> &surface() const;
+    /// Nodes of a facet of dimension dim - 1. Its normal lies, in two dimensions, to the right of
+    /// the direction from the first node to the second; in three the nodes turn to the left about
+    /// it.
+    using Facet = std::array<unsigned int, dim>;
+
+    /// The elements of a curve or surface, or the boundary faces of a body with normals outward.
+    const std::vector<Facet> &surface() const;
+
+    /// The faces inside a body between elements of different materials, normals towards the larger
+    /// id.
+    const std::vector<Facet> &interfaces() const;
+
+    /// Gives each element its material id, one per element.
+    void set_materials(const std::vector<unsigned int> &material_ids);
 
     /// Whether the structure has no boundary face.
     bool closed() const;
@@ -107,13 +116,13 @@ namespace feib
     }
 
   private:
-    std::vector<std::array<unsigned int, dim>> find_surface() const;
+    void find_facets();
 
     unsigned int m = dim;
     std::vector<dealii::Point<dim>> node_places;
     std::vector<Element> element_list;
     std::vector<Face> face_list;
-    std::vector<std::array<unsigned int, dim>> surface_facets;
+    std::vector<Facet> surface_facets, interface_facets;
     bool is_closed = false;
   };
 } // namespace feib

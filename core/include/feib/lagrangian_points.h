@@ -10,9 +10,9 @@ namespace feib
   /// n = nodes_per_point. The nodes themselves are the case n = 1.
   struct LagrangianPoints
   {
-    unsigned int              nodes_per_point = 1;
+    unsigned int nodes_per_point = 1;
     std::vector<unsigned int> node;
-    std::vector<double>       weight;
+    std::vector<double> weight;
 
     unsigned int
     size() const

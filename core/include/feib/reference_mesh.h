@@ -13,8 +13,7 @@ namespace feib
   /// when the mesh does not exist for this (structure_dim, dim), or the file is missing or of the
   /// wrong dimension.
   template <int dim>
-  LagrangianMesh<dim>
-  make_reference_mesh(const Parameters &mesh, unsigned int structure_dim);
+  LagrangianMesh<dim> make_reference_mesh(const Parameters &mesh, unsigned int structure_dim);
 } // namespace feib
 
 #endif

@@ -15,9 +15,10 @@
 namespace feib
 {
   /// The coupling that loses no volume. With R the reconstruction and K the segments or facets of a
-  /// curve, a surface or the boundary of a body, in normalised measure, a node i of them moves with
+  /// curve, a surface, the boundary of a body or the interfaces of its materials, in normalised
+  /// measure, a node i of them moves with
   ///   U_i = sum_K T_iK^T int_K phi_i R u,
-  /// and a node inside a body with u(X_i).
+  /// and a node inside a material with u(X_i).
   ///
   /// With n_K the vector area of K and N_i = sum_K n_K / dim, t = n_K - a N_i, a = n_K . N_i /
   /// |N_i|^2,
@@ -52,7 +53,7 @@ namespace feib
     static constexpr unsigned int n_modes    = Reconstruction<dim>::n_modes;
 
     using Matrix = dealii::Tensor<2, dim>;
-    using Facet  = std::array<unsigned int, dim>;
+    using Facet  = typename LagrangianMesh<dim>::Facet;
 
     enum class Rule
     {
@@ -66,6 +67,13 @@ namespace feib
     {
       unsigned int point, cell;
       double weights[dim][n_velocity];
+    };
+
+    /// A point that moves with the finite element velocity.
+    struct Plain
+    {
+      unsigned int point, cell;
+      double values[n];
     };
 
     /// Moments of the shape functions and corrections of a cell over a piece of a facet, weighted
@@ -82,14 +90,22 @@ namespace feib
                const Reconstruction<dim> *reconstruction);
     };
 
-    void add_point(unsigned int point, unsigned int cell, const dealii::Point<dim> &unit);
+    /// A facet, and which of its nodes it moves: where an interface ends at the boundary of the
+    /// body the boundary alone does, so that the flux through that stays exact.
+    struct Sheet
+    {
+      Facet nodes;
+      std::array<bool, dim> moves;
+    };
 
-    void add_surface(const EulerianSpace<dim> &space,
-                     const std::vector<Facet> &facets,
-                     const Positions<dim> &X);
+    static std::vector<Sheet> find_sheets(const LagrangianMesh<dim> &mesh);
 
-    /// T_iK for each facet and each of its nodes.
-    std::vector<std::array<Matrix, dim>> flux_maps(const std::vector<Facet> &facets,
+    void add_sheets(const EulerianSpace<dim> &space,
+                    const std::vector<Sheet> &sheets,
+                    const Positions<dim> &X);
+
+    /// T_iK for each facet and each of its nodes; zero for a node that it does not move.
+    std::vector<std::array<Matrix, dim>> flux_maps(const std::vector<Sheet> &sheets,
                                                    const Positions<dim> &X) const;
 
     // What the case says.
@@ -98,8 +114,11 @@ namespace feib
     dealii::Quadrature<dim - 1> quadrature; // of a facet, or of a simplex of a piece
 
     std::unique_ptr<Reconstruction<dim>> reconstruction; // null when not wanted
-    std::vector<Block> blocks;                           // with this rank's cells
     unsigned int n_points = 0;
+
+    // With this rank's cells.
+    std::vector<Block> blocks;
+    std::vector<Plain> plain;
   };
 
 
@@ -169,81 +188,99 @@ namespace feib
         }
 
     blocks.clear();
-    std::vector<bool> averaged(n_points, false);
-    if (points.nodes_per_point == 1 && rule != Rule::vertex)
-      {
-        for (const Facet &facet : mesh.surface())
-          for (const unsigned int i : facet)
-            averaged[i] = true;
-        add_surface(space, mesh.surface(), X);
-      }
+    plain.clear();
+    const std::vector<Sheet> sheets =
+      points.nodes_per_point == 1 ? find_sheets(mesh) : std::vector<Sheet>();
+    std::vector<bool> inside(n_points, !sheets.empty()); // a body
+    for (const Sheet &sheet : sheets)
+      for (const unsigned int i : sheet.nodes)
+        inside[i] = false;
+    if (rule != Rule::vertex)
+      add_sheets(space, sheets, X);
     dealii::Point<dim> unit;
     for (unsigned int q = 0; q < n_points; ++q)
-      if (!averaged[q])
+      if (inside[q] || rule == Rule::vertex || sheets.empty())
         if (const unsigned int cell = space.forest().locate(x[q], unit);
             cell != CartesianForest<dim>::not_here)
-          add_point(q, cell, unit);
+          {
+            if (inside[q] || !reconstruct)
+              {
+                plain.push_back({q, cell, {}});
+                EulerianSpace<dim>::shape_values(unit, plain.back().values);
+              }
+            else
+              {
+                blocks.push_back({q, cell, {}});
+                reconstruction->weights(unit, blocks.back().weights);
+              }
+          }
   }
 
 
   template <int dim>
-  void
-  DivergenceFree<dim>::add_point(const unsigned int point,
-                                 const unsigned int cell,
-                                 const dealii::Point<dim> &unit)
+  std::vector<typename DivergenceFree<dim>::Sheet>
+  DivergenceFree<dim>::find_sheets(const LagrangianMesh<dim> &mesh)
   {
-    blocks.push_back({point, cell, {}});
-    if (reconstruct)
-      reconstruction->weights(unit, blocks.back().weights);
-    else
+    std::vector<Sheet> sheets;
+    std::vector<bool> outer(mesh.n_nodes(), false);
+    for (const Facet &facet : mesh.surface())
       {
-        double values[n];
-        EulerianSpace<dim>::shape_values(unit, values);
-        for (unsigned int a = 0; a < dim; ++a)
-          std::copy_n(values, n, &blocks.back().weights[a][a * n]);
+        sheets.push_back({facet, {}});
+        sheets.back().moves.fill(true);
+        for (const unsigned int i : facet)
+          outer[i] = true;
       }
+    for (const Facet &facet : mesh.interfaces())
+      {
+        sheets.push_back({facet, {}});
+        for (unsigned int v = 0; v < dim; ++v)
+          sheets.back().moves[v] = !outer[facet[v]];
+      }
+    return sheets;
   }
 
 
   template <int dim>
   std::vector<std::array<typename DivergenceFree<dim>::Matrix, dim>>
-  DivergenceFree<dim>::flux_maps(const std::vector<Facet> &facets, const Positions<dim> &X) const
+  DivergenceFree<dim>::flux_maps(const std::vector<Sheet> &sheets, const Positions<dim> &X) const
   {
-    std::vector<dealii::Tensor<1, dim>> normals(facets.size()), sums(X.size());
+    std::vector<dealii::Tensor<1, dim>> normals(sheets.size()), sums(X.size());
     std::vector<double> areas(X.size(), 0.);
-    for (unsigned int k = 0; k < facets.size(); ++k)
+    for (unsigned int k = 0; k < sheets.size(); ++k)
       {
-        normals[k] = vector_area<dim>(facets[k], X);
-        for (const unsigned int i : facets[k])
-          {
-            sums[i] += normals[k] / dim;
-            areas[i] += normals[k].norm() / dim;
-          }
+        normals[k] = vector_area<dim>(sheets[k].nodes, X);
+        for (unsigned int v = 0; v < dim; ++v)
+          if (sheets[k].moves[v])
+            {
+              sums[sheets[k].nodes[v]] += normals[k] / dim;
+              areas[sheets[k].nodes[v]] += normals[k].norm() / dim;
+            }
       }
 
     // Where facets nearly fold back on each other N_i says nothing: the map would be large.
     constexpr double fold = 0.1;
-    std::vector<std::array<Matrix, dim>> maps(facets.size());
-    for (unsigned int k = 0; k < facets.size(); ++k)
+    std::vector<std::array<Matrix, dim>> maps(sheets.size());
+    for (unsigned int k = 0; k < sheets.size(); ++k)
       for (unsigned int v = 0; v < dim; ++v)
-        {
-          const unsigned int i             = facets[k][v];
-          const dealii::Tensor<1, dim> &N  = sums[i];
-          const dealii::Tensor<1, dim> &nk = normals[k];
-          Matrix &T                        = maps[k][v];
-          if (flux_exact && N.norm() > fold * areas[i])
-            {
-              const double square            = N.norm_square();
-              const double a                 = nk * N / square;
-              const dealii::Tensor<1, dim> t = nk - a * N;
-              T                              = (outer_product(t, N) - outer_product(N, t)) / square;
+        if (sheets[k].moves[v])
+          {
+            const unsigned int i             = sheets[k].nodes[v];
+            const dealii::Tensor<1, dim> &N  = sums[i];
+            const dealii::Tensor<1, dim> &nk = normals[k];
+            Matrix &T                        = maps[k][v];
+            if (flux_exact && N.norm() > fold * areas[i])
+              {
+                const double square            = N.norm_square();
+                const double a                 = nk * N / square;
+                const dealii::Tensor<1, dim> t = nk - a * N;
+                T = (outer_product(t, N) - outer_product(N, t)) / square;
+                for (unsigned int c = 0; c < dim; ++c)
+                  T[c][c] += a;
+              }
+            else
               for (unsigned int c = 0; c < dim; ++c)
-                T[c][c] += a;
-            }
-          else
-            for (unsigned int c = 0; c < dim; ++c)
-              T[c][c] = areas[i] > 0 ? nk.norm() / areas[i] : 1.;
-        }
+                T[c][c] = areas[i] > 0 ? nk.norm() / areas[i] : 1.;
+          }
     return maps;
   }
 
@@ -281,9 +318,9 @@ namespace feib
 
   template <int dim>
   void
-  DivergenceFree<dim>::add_surface(const EulerianSpace<dim> &space,
-                                   const std::vector<Facet> &facets,
-                                   const Positions<dim> &X)
+  DivergenceFree<dim>::add_sheets(const EulerianSpace<dim> &space,
+                                  const std::vector<Sheet> &sheets,
+                                  const Positions<dim> &X)
   {
     // The few blocks of a node, as a list, and the coefficients of the corrections of each block.
     constexpr unsigned int none = -1;
@@ -303,12 +340,14 @@ namespace feib
       return first[node] = blocks.size() - 1;
     };
 
-    const auto maps = flux_maps(facets, X);
+    const auto maps = flux_maps(sheets, X);
     Moments moments;
     const auto distribute = [&](const unsigned int k, const unsigned int cell) {
       for (unsigned int v = 0; v < dim; ++v)
         {
-          const unsigned int b = block_of(facets[k][v], cell);
+          if (!sheets[k].moves[v])
+            continue;
+          const unsigned int b = block_of(sheets[k].nodes[v], cell);
           const Matrix &T      = maps[k][v];
           for (unsigned int a = 0; a < dim; ++a)
             for (unsigned int c = 0; c < dim; ++c)
@@ -323,10 +362,10 @@ namespace feib
     };
 
     std::array<dealii::Point<dim>, dim> corners;
-    for (unsigned int k = 0; k < facets.size(); ++k)
+    for (unsigned int k = 0; k < sheets.size(); ++k)
       {
         for (unsigned int v = 0; v < dim; ++v)
-          corners[v] = X[facets[k][v]];
+          corners[v] = X[sheets[k].nodes[v]];
         if (rule == Rule::gauss)
           for (unsigned int q = 0; q < quadrature.size(); ++q)
             {
@@ -408,6 +447,13 @@ namespace feib
             values[block.point * dim + a] += sum;
           }
       }
+    for (const Plain &point : plain)
+      {
+        const unsigned int *dofs = space.velocity_dofs(point.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n; ++i)
+            values[point.point * dim + a] += point.values[i] * u.local_element(dofs[a * n + i]);
+      }
     dealii::Utilities::MPI::sum(values, space.communicator(), values);
     U.resize(n_points);
     for (unsigned int q = 0; q < n_points; ++q)
@@ -435,6 +481,13 @@ namespace feib
             rhs.local_element(dofs[j]) += sum;
           }
       }
+    for (const Plain &point : plain)
+      {
+        const unsigned int *dofs = space.velocity_dofs(point.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n; ++i)
+            rhs.local_element(dofs[a * n + i]) += point.values[i] * f[point.point][a];
+      }
     rhs.compress(dealii::VectorOperation::add);
   }
 
@@ -453,6 +506,15 @@ namespace feib
               result.push_back({std::uint64_t(block.point) * dim + a,
                                 space.velocity.get_partitioner()->local_to_global(dofs[j]),
                                 block.weights[a][j]});
+      }
+    for (const Plain &point : plain)
+      {
+        const unsigned int *dofs = space.velocity_dofs(point.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n; ++i)
+            result.push_back({std::uint64_t(point.point) * dim + a,
+                              space.velocity.get_partitioner()->local_to_global(dofs[a * n + i]),
+                              point.values[i]});
       }
     return result;
   }

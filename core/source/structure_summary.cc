@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "structure_summary.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace feib
+{
+  namespace
+  {
+    /// dim! times the measure of an element of a body.
+    template <int dim>
+    double
+    determinant_of(const typename LagrangianMesh<dim>::Element &element, const Positions<dim> &X)
+    {
+      dealii::Tensor<2, dim> edges;
+      for (unsigned int k = 0; k < dim; ++k)
+        edges[k] = X[element.nodes[k + 1]] - X[element.nodes[0]];
+      return determinant(edges);
+    }
+
+    /// The relative changes of the measures of a body's elements: root of the mean square, with
+    /// their reference measures as weights, and largest.
+    template <int dim>
+    Json
+    element_changes(const StructureModel<dim> &model, const Positions<dim> &initial)
+    {
+      double squares = 0, weights = 0, largest = 0;
+      for (const auto &element : model.mesh().elements())
+        {
+          const double change =
+            determinant_of<dim>(element, model.positions) / determinant_of<dim>(element, initial) -
+            1;
+          squares += element.measure * change * change;
+          weights += element.measure;
+          largest = std::max(largest, std::abs(change));
+        }
+      return {{"rms", std::sqrt(squares / weights)}, {"largest", largest}};
+    }
+  } // namespace
+
+
+  template <int dim>
+  Json
+  structure_summary(const StructureModel<dim> &model,
+                    const Positions<dim> &initial,
+                    const double leak,
+                    const double time_error)
+  {
+    const double measure_initial      = model.measure(initial);
+    const double measure              = model.measure(model.positions);
+    const dealii::Point<dim> centroid = model.centroid(model.positions);
+    Json centre = Json::array(), extent = Json::array();
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        const auto [low, high] =
+          std::minmax_element(model.positions.begin(),
+                              model.positions.end(),
+                              [a](const auto &x, const auto &y) { return x[a] < y[a]; });
+        centre.push_back(centroid[a]);
+        extent.push_back((*high)[a] - (*low)[a]);
+      }
+    Json result = {{"name", model.name()},
+                   {"measure_initial", measure_initial},
+                   {"measure_final", measure},
+                   {"relative_measure_change", measure / measure_initial - 1},
+                   {"relative_leak", leak / measure_initial},
+                   {"relative_time_error", time_error / measure_initial},
+                   {"centroid", centre},
+                   {"extent", extent}};
+    if (model.mesh().structure_dim() == dim)
+      result["relative_element_change"] = element_changes(model, initial);
+    return result;
+  }
+
+
+  template Json structure_summary(const StructureModel<2> &, const Positions<2> &, double, double);
+  template Json structure_summary(const StructureModel<3> &, const Positions<3> &, double, double);
+} // namespace feib
