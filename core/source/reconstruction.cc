@@ -7,59 +7,62 @@ namespace feib
 {
   namespace
   {
-    // Legendre coefficients, on [-1, 1], of the three shape functions of Q2 and of their
-    // derivatives: [degree][function].
-    constexpr double value_modes[3][3]      = {{1 / 6., 2 / 3., 1 / 6.},
-                                               {-.5, 0., .5},
-                                               {1 / 3., -2 / 3., 1 / 3.}};
-    constexpr double derivative_modes[3][3] = {{-.5, 0., .5}, {1., -2., 1.}, {0., 0., 0.}};
+    // Legendre coefficients, on [-1, 1], of the three shape functions of Q2: [degree][function].
+    constexpr double line_modes[3][3] = {{1 / 6., 2 / 3., 1 / 6.},
+                                         {-.5, 0., .5},
+                                         {1 / 3., -2 / 3., 1 / 3.}};
 
     // |L_n|^2 / |N_n|^2; there is no N_0.
     constexpr double norm_ratio[3] = {0., 5 / 2., 21 / 2.};
 
-    /// The digits of a tensor-product number, the first direction fastest.
-    template <int dim>
-    std::array<unsigned int, dim>
-    degrees(unsigned int number)
+    // L_n' = derivative[n] L_{n-1} up to degree 2.
+    constexpr double derivative[3] = {0., 1., 3.};
+
+    constexpr unsigned int stride[3] = {1, 3, 9};
+
+    struct Digits
     {
-      std::array<unsigned int, dim> result;
-      for (unsigned int a = 0; a < dim; ++a, number /= 3)
-        result[a] = number % 3;
-      return result;
+      unsigned int values[27][3] = {};
+      constexpr Digits()
+      {
+        for (unsigned int number = 0; number < 27; ++number)
+          for (unsigned int a = 0; a < 3; ++a)
+            values[number][a] = number / stride[a] % 3;
+      }
+    };
+    constexpr Digits digits;
+
+    /// The degree of a mode, or place of a node, in direction a.
+    constexpr unsigned int
+    digit(const unsigned int number, const unsigned int a)
+    {
+      return digits.values[number][a];
     }
   } // namespace
 
 
   template <int dim>
   Reconstruction<dim>::Reconstruction(const dealii::Tensor<1, dim> &size)
-    : divergence()
+    : size(size)
     , factors()
   {
-    constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
     for (unsigned int m = 0; m < n_modes; ++m)
       {
-        const auto degree  = degrees<dim>(m);
         unsigned int total = 0;
         double sum         = 0;
         for (unsigned int a = 0; a < dim; ++a)
           {
-            total += degree[a];
-            sum += norm_ratio[degree[a]] / (size[a] * size[a]);
+            total += digit(m, a);
+            sum += norm_ratio[digit(m, a)] / (size[a] * size[a]);
           }
-        if (total < 2) // P1
-          continue;
         for (unsigned int a = 0; a < dim; ++a)
+          if (total > 1) // beyond P1
+            factors[a][m] = norm_ratio[digit(m, a)] / (size[a] * size[a]) / sum * size[a] / 2;
+        for (unsigned int j = 0; j < n_modes; ++j)
           {
-            factors[a][m] =
-              norm_ratio[degree[a]] / (size[a] * size[a]) / sum * size[a] / (2 * size[0]);
-            for (unsigned int j = 0; j < n; ++j)
-              {
-                const auto node = degrees<dim>(j);
-                double product  = 2 * size[0] / size[a];
-                for (unsigned int b = 0; b < dim; ++b)
-                  product *= (a == b ? derivative_modes : value_modes)[degree[b]][node[b]];
-                divergence[m][a * n + j] = product;
-              }
+            legendre[m][j] = 1;
+            for (unsigned int a = 0; a < dim; ++a)
+              legendre[m][j] *= line_modes[digit(m, a)][digit(j, a)];
           }
       }
   }
@@ -67,60 +70,76 @@ namespace feib
 
   template <int dim>
   void
-  Reconstruction<dim>::divergence_modes(const double *v, double *d) const
+  Reconstruction<dim>::modes(const dealii::Point<dim> &unit,
+                             double (&L)[n_modes],
+                             dealii::Tensor<1, dim> &bubble)
   {
-    for (unsigned int m = 0; m < n_modes; ++m)
-      {
-        d[m] = 0;
-        for (unsigned int j = 0; j < n_velocity; ++j)
-          d[m] += divergence[m][j] * v[j];
-      }
-  }
-
-
-  template <int dim>
-  void
-  Reconstruction<dim>::subtract_transpose(const double *d, double *v) const
-  {
-    for (unsigned int m = 0; m < n_modes; ++m)
-      for (unsigned int j = 0; j < n_velocity; ++j)
-        v[j] -= d[m] * divergence[m][j];
-  }
-
-
-  template <int dim>
-  void
-  Reconstruction<dim>::corrections(const dealii::Point<dim> &unit, double (&w)[dim][n_modes]) const
-  {
-    double L[dim][3], N[dim][3];
+    double line[dim][3];
     for (unsigned int a = 0; a < dim; ++a)
       {
-        const double x      = 2 * unit[a] - 1;
-        const double bubble = (x * x - 1) / 2;
-        L[a][0]             = 1;
-        L[a][1]             = x;
-        L[a][2]             = (3 * x * x - 1) / 2;
-        N[a][0]             = 0;
-        N[a][1]             = bubble;
-        N[a][2]             = x * bubble;
+        const double x = 2 * unit[a] - 1;
+        bubble[a]      = (x * x - 1) / 2;
+        line[a][0]     = 1;
+        line[a][1]     = x;
+        line[a][2]     = 3 * bubble[a] + 1;
       }
-    for (unsigned int c = 0; c < dim; ++c)
+    for (unsigned int j = 0; j < 3; ++j)
+      for (unsigned int i = 0; i < 3; ++i)
+        L[3 * j + i] = line[0][i] * line[1][j];
+    if constexpr (dim == 3)
+      for (unsigned int k = 3; k-- > 0;) // the first nine last
+        for (unsigned int m = 0; m < 9; ++m)
+          L[9 * k + m] = line[2][k] * L[m];
+  }
+
+
+  template <int dim>
+  void
+  Reconstruction<dim>::coefficients(const double *v, Coefficients &result) const
+  {
+    double divergence[n_modes] = {}; // d_m
+    for (unsigned int a = 0; a < dim; ++a)
       {
-        const auto &f = c == 0 ? N[0] : L[0];
-        const auto &g = c == 1 ? N[1] : L[1];
-        if constexpr (dim == 2)
+        for (unsigned int m = 0; m < n_modes; ++m)
           {
-            for (unsigned int j = 0; j < 3; ++j)
-              for (unsigned int i = 0; i < 3; ++i)
-                w[c][3 * j + i] = factors[c][3 * j + i] * f[i] * g[j];
+            double sum = 0;
+            for (unsigned int j = 0; j < n_modes; ++j)
+              sum += legendre[m][j] * v[a * n_modes + j];
+            result.values[a][m]  = sum;
+            result.bubbles[a][m] = 0;
           }
-        else
+        for (unsigned int m = 0; m < n_modes; ++m)
+          if (const unsigned int degree = digit(m, a); degree > 0)
+            divergence[m - stride[a]] += 2 / size[a] * derivative[degree] * result.values[a][m];
+      }
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int m = 0; m < n_modes; ++m)
+        if (digit(m, a) > 0)
+          result.bubbles[a][m - stride[a]] -= factors[a][m] * divergence[m];
+  }
+
+
+  template <int dim>
+  void
+  Reconstruction<dim>::weights(const Coefficients &functional, double *result) const
+  {
+    double divergence[n_modes] = {}; // what the functional makes of d_m
+    for (unsigned int a = 0; a < dim; ++a)
+      for (unsigned int m = 0; m < n_modes; ++m)
+        if (digit(m, a) > 0)
+          divergence[m] -= factors[a][m] * functional.bubbles[a][m - stride[a]];
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        double *component = result + a * n_modes;
+        std::fill_n(component, n_modes, 0.);
+        for (unsigned int m = 0; m < n_modes; ++m)
           {
-            const auto &h = c == 2 ? N[2] : L[2];
-            for (unsigned int k = 0; k < 3; ++k)
-              for (unsigned int j = 0; j < 3; ++j)
-                for (unsigned int i = 0; i < 3; ++i)
-                  w[c][9 * k + 3 * j + i] = factors[c][9 * k + 3 * j + i] * f[i] * g[j] * h[k];
+            double value              = functional.values[a][m];
+            const unsigned int degree = digit(m, a);
+            if (degree > 0)
+              value += 2 / size[a] * derivative[degree] * divergence[m - stride[a]];
+            for (unsigned int j = 0; j < n_modes; ++j)
+              component[j] += value * legendre[m][j];
           }
       }
   }
@@ -131,15 +150,18 @@ namespace feib
   Reconstruction<dim>::weights(const dealii::Point<dim> &unit,
                                double (&result)[dim][n_velocity]) const
   {
-    constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
-    double values[n], w[dim][n_modes];
-    EulerianSpace<dim>::shape_values(unit, values);
-    corrections(unit, w);
-    for (unsigned int a = 0; a < dim; ++a)
+    double L[n_modes];
+    dealii::Tensor<1, dim> bubble;
+    modes(unit, L, bubble);
+    for (unsigned int i = 0; i < dim; ++i)
       {
-        std::fill_n(result[a], n_velocity, 0.);
-        std::copy_n(values, n, &result[a][a * n]);
-        subtract_transpose(w[a], result[a]);
+        Coefficients functional = {};
+        for (unsigned int m = 0; m < n_modes; ++m)
+          {
+            functional.values[i][m]  = L[m];
+            functional.bubbles[i][m] = bubble[i] * L[m];
+          }
+        weights(functional, result[i]);
       }
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// Seconds of the parts of a step, in Release: location with interpolation, spreading, the load of a
+// Seconds of the parts of a step, in Release: the parts of the couplings, the load of a
 // structure and the fluid's step. The argument is the number of cells in each direction.
 #include <feib/fluid_solver.h>
 #include <feib/immersed_structure.h>
@@ -12,65 +12,91 @@ namespace
 {
   using namespace feib;
 
-  /// A circular membrane with two nodes per cell edge in an N x N box.
+  /// A circular or spherical membrane with about two nodes per cell edge, in a box of n cells in
+  /// each direction.
+  template <int dim>
   struct Membrane
   {
-    explicit Membrane(const unsigned int n)
-      : space(feib::testing::make_space<2>("{\"cells\": [" + std::to_string(n) + "," +
-                                           std::to_string(n) + "]}"))
-      , model(feib::testing::registry().create<StructureModel<2>>(
+    explicit Membrane(const unsigned int n, const std::string &coupling_name = "variational")
+      : space(feib::testing::make_space<dim>("{\"cells\": [" + std::to_string(n) + "," +
+                                             std::to_string(n) +
+                                             (dim == 3 ? "," + std::to_string(n) : "") + "]}"))
+      , model(feib::testing::registry().create<StructureModel<dim>>(
           "membrane",
-          "{\"name\": \"circle\", \"mesh\": {\"closed_curve\": {\"length\": 1.8849555921538759, "
-          "\"elements\": " +
-            std::to_string(4 * n) +
-            "}}, \"initial_position\": [\"0.5+0.3*cos(s1/0.3)\", \"0.5+0.3*sin(s1/0.3)\"], "
-            "\"law\": {\"anisotropic_linear\": {\"stiffness\": 1}}}"))
-      , coupling(feib::testing::registry().create<CouplingOperator<2>>("variational"))
+          dim == 2
+            ? "{\"name\": \"circle\", \"mesh\": {\"closed_curve\": {\"length\": "
+              "1.8849555921538759, "
+              "\"elements\": " +
+                std::to_string(4 * n) +
+                "}}, \"initial_position\": [\"0.5+0.3*cos(s1/0.3)\", \"0.5+0.3*sin(s1/0.3)\"], "
+                "\"law\": {\"anisotropic_linear\": {\"stiffness\": 1}}}"
+            : "{\"name\": \"sphere\", \"mesh\": {\"sphere\": {\"centre\": [0.5, 0.5, 0.5], "
+              "\"radius\": 0.3, \"refinements\": " +
+                std::to_string(n < 12   ? 2
+                               : n < 24 ? 3
+                                        : 4) +
+                "}}, \"law\": {\"neo_hookean\": {\"shear_modulus\": 1}}}"))
+      , coupling(feib::testing::registry().create<CouplingOperator<dim>>(coupling_name))
       , nodes(LagrangianPoints::nodes(model->mesh().n_nodes()))
       , u(space->make_velocity())
       , U(model->mesh().n_nodes())
     {
+      set_geometry();
+    }
+
+    void
+    set_geometry()
+    {
       coupling->set_geometry(*space, model->mesh(), model->positions, nodes);
     }
 
-    std::unique_ptr<EulerianSpace<2>> space;
-    std::unique_ptr<StructureModel<2>> model;
-    std::unique_ptr<CouplingOperator<2>> coupling;
+    /// The pieces that the cells cut the membrane into.
+    unsigned int
+    n_pieces() const
+    {
+      unsigned int n = 0;
+      for (const auto &facet : model->mesh().surface())
+        {
+          std::array<dealii::Point<dim>, dim> corners;
+          for (unsigned int v = 0; v < dim; ++v)
+            corners[v] = model->positions[facet[v]];
+          space->forest().cut(corners, [&](unsigned int, const auto &) { ++n; });
+        }
+      return n;
+    }
+
+    std::unique_ptr<EulerianSpace<dim>> space;
+    std::unique_ptr<StructureModel<dim>> model;
+    std::unique_ptr<CouplingOperator<dim>> coupling;
     LagrangianPoints nodes;
     VelocityVector u;
-    NodalField<2> U;
+    NodalField<dim> U;
   };
 
+  /// What the parts of a coupling cost: per piece for a coupling that cuts, else per point.
+  template <int dim>
   void
-  locate_and_interpolate(benchmark::State &state)
+  couple(benchmark::State &state, const std::string &name, const std::string &part)
   {
-    Membrane membrane(state.range(0));
+    Membrane<dim> membrane(state.range(0), name);
     for (auto _ : state)
-      {
-        membrane.coupling->set_geometry(*membrane.space,
-                                        membrane.model->mesh(),
-                                        membrane.model->positions,
-                                        membrane.nodes);
+      if (part == "set_geometry")
+        membrane.set_geometry();
+      else if (part == "interpolate")
         membrane.coupling->interpolate(*membrane.space, membrane.u, membrane.U);
-      }
-    state.counters["points/s"] =
-      benchmark::Counter(membrane.U.size() * state.iterations(), benchmark::Counter::kIsRate);
-  }
-
-  void
-  spread(benchmark::State &state)
-  {
-    Membrane membrane(state.range(0));
-    for (auto _ : state)
-      membrane.coupling->spread(*membrane.space, membrane.U, membrane.u);
-    state.counters["points/s"] =
-      benchmark::Counter(membrane.U.size() * state.iterations(), benchmark::Counter::kIsRate);
+      else
+        membrane.coupling->spread(*membrane.space, membrane.U, membrane.u);
+    const double n           = name == "variational" ? membrane.U.size() : membrane.n_pieces();
+    state.counters["pieces"] = n;
+    state.counters["s/piece"] =
+      benchmark::Counter(n * state.iterations(),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   }
 
   void
   structure_load(benchmark::State &state)
   {
-    Membrane membrane(state.range(0));
+    Membrane<2> membrane(state.range(0));
     for (auto _ : state)
       membrane.model->load(membrane.model->positions, membrane.U);
     state.counters["elements/s"] =
@@ -80,7 +106,7 @@ namespace
   void
   fluid_step(benchmark::State &state)
   {
-    Membrane membrane(state.range(0));
+    Membrane<2> membrane(state.range(0));
     auto &space = *membrane.space;
     const auto fluid =
       feib::testing::registry().create<FluidSolver<2>>("navier_stokes",
@@ -103,8 +129,6 @@ namespace
   }
 } // namespace
 
-BENCHMARK(locate_and_interpolate)->Arg(32)->Arg(128);
-BENCHMARK(spread)->Arg(32)->Arg(128);
 BENCHMARK(structure_load)->Arg(32)->Arg(128);
 BENCHMARK(fluid_step)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 
@@ -113,6 +137,13 @@ main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   feib::log::set_level("off");
+  for (const std::string name : {"variational", "divergence_free"})
+    for (const std::string part : {"set_geometry", "interpolate", "spread"})
+      {
+        const auto title = [&](const char *dim) { return name + "/" + part + "/" + dim; };
+        benchmark::RegisterBenchmark(title("2D").c_str(), couple<2>, name, part)->Arg(128);
+        benchmark::RegisterBenchmark(title("3D").c_str(), couple<3>, name, part)->Arg(16);
+      }
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

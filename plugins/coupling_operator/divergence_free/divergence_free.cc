@@ -9,6 +9,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
+#include <map>
 #include <memory>
 #include <sstream>
 
@@ -52,22 +53,10 @@ namespace feib
     static constexpr unsigned int n_velocity = EulerianSpace<dim>::n_velocity;
     static constexpr unsigned int n_modes    = Reconstruction<dim>::n_modes;
 
+    using Coefficients = typename Reconstruction<dim>::Coefficients;
+
     using Matrix = dealii::Tensor<2, dim>;
     using Facet  = typename LagrangianMesh<dim>::Facet;
-
-    enum class Rule
-    {
-      cut,
-      gauss,
-      vertex
-    };
-
-    /// What a cell's velocity does to a point.
-    struct Block
-    {
-      unsigned int point, cell;
-      double weights[dim][n_velocity];
-    };
 
     /// A point that moves with the finite element velocity.
     struct Plain
@@ -76,48 +65,49 @@ namespace feib
       double values[n];
     };
 
-    /// Moments of the shape functions and corrections of a cell over a piece of a facet, weighted
-    /// with each shape function of the facet.
-    struct Moments
-    {
-      double shapes[dim][n];
-      double corrections[dim][dim][n_modes]; // [facet node][component][mode]
-
-      void clear();
-      void add(const dealii::Point<dim> &unit,
-               const std::array<double, dim> &barycentric,
-               double weight,
-               const Reconstruction<dim> *reconstruction);
-    };
-
-    /// A facet, and which of its nodes it moves: where an interface ends at the boundary of the
-    /// body the boundary alone does, so that the flux through that stays exact.
+    /// A facet, and T_iK for each of its nodes; zero for a node that it does not move: where an
+    /// interface ends at the boundary of the body the boundary alone moves the node, so that the
+    /// flux through that stays exact.
     struct Sheet
     {
       Facet nodes;
       std::array<bool, dim> moves;
+      std::array<Matrix, dim> maps;
+    };
+
+    /// The part of a facet in one cell, in normalised measure: integrals of phi_v L_m and of
+    /// phi_v beta(x_i) L_m (see Reconstruction) for each shape function phi_v of the facet.
+    struct Piece
+    {
+      unsigned int sheet, cell; // cell: index in touched_cells
+      double values[dim][n_modes];
+      double bubbles[dim][dim][n_modes];
+
+      void add(const dealii::Point<dim> &unit,
+               const std::array<double, dim> &barycentric,
+               double weight);
     };
 
     static std::vector<Sheet> find_sheets(const LagrangianMesh<dim> &mesh);
 
-    void add_sheets(const EulerianSpace<dim> &space,
-                    const std::vector<Sheet> &sheets,
-                    const Positions<dim> &X);
+    void set_flux_maps(const Positions<dim> &X);
 
-    /// T_iK for each facet and each of its nodes; zero for a node that it does not move.
-    std::vector<std::array<Matrix, dim>> flux_maps(const std::vector<Sheet> &sheets,
-                                                   const Positions<dim> &X) const;
+    void cut_sheets(const EulerianSpace<dim> &space, const Positions<dim> &X);
+
+    /// The coefficients of R u (or u) in each of the touched cells.
+    std::vector<Coefficients> coefficients(const EulerianSpace<dim> &space,
+                                           const VelocityVector &u) const;
 
     // What the case says.
-    Rule rule;
-    bool reconstruct, flux_exact;
+    bool cut, reconstruct, flux_exact;
     dealii::Quadrature<dim - 1> quadrature; // of a facet, or of a simplex of a piece
 
-    std::unique_ptr<Reconstruction<dim>> reconstruction; // null when not wanted
+    // The geometry, with this rank's cells.
+    std::unique_ptr<Reconstruction<dim>> reconstruction; // null before a cell is known
     unsigned int n_points = 0;
-
-    // With this rank's cells.
-    std::vector<Block> blocks;
+    std::vector<Sheet> sheets;
+    std::vector<unsigned int> touched_cells;
+    std::vector<Piece> pieces;
     std::vector<Plain> plain;
   };
 
@@ -141,6 +131,17 @@ namespace feib
         }
     }
 
+    /// The corners of the unit segment or triangle, the weights of sum 1.
+    template <int m>
+    dealii::Quadrature<m>
+    vertex_rule()
+    {
+      std::vector<dealii::Point<m>> corners(m + 1);
+      for (unsigned int k = 0; k < m; ++k)
+        corners[k + 1][k] = 1;
+      return {corners, std::vector<double>(m + 1, 1. / (m + 1))};
+    }
+
     /// The vector area of a segment or triangle.
     template <int dim>
     dealii::Tensor<1, dim>
@@ -160,10 +161,11 @@ namespace feib
     : reconstruct(parameters.boolean("reconstruction"))
     , flux_exact(parameters.boolean("flux_exact"))
   {
-    const auto [name, block] = parameters.child("quadrature").choice();
-    rule = name == "cut" ? Rule::cut : name == "gauss" ? Rule::gauss : Rule::vertex;
-    // Across a facet R u, of mixed degree, has total degree 4 in two dimensions and 6 in three.
-    quadrature = simplex_rule<dim - 1>(rule == Rule::gauss ? block.integer("points") : dim + 1);
+    const auto [rule, block] = parameters.child("quadrature").choice();
+    cut                      = rule == "cut";
+    // Along a facet R u, of mixed degree, has total degree 4 in two dimensions and 6 in three.
+    quadrature = rule == "vertex" ? vertex_rule<dim - 1>()
+                                  : simplex_rule<dim - 1>(cut ? dim + 1 : block.integer("points"));
   }
 
 
@@ -174,7 +176,7 @@ namespace feib
                                     const Positions<dim> &X,
                                     const LagrangianPoints &points)
   {
-    if (reconstruct && !reconstruction && !space.cells().empty())
+    if (!reconstruction && !space.cells().empty())
       reconstruction = std::make_unique<Reconstruction<dim>>(space.cells()[0].size);
     const Positions<dim> x = points.positions(X);
     n_points               = x.size();
@@ -187,32 +189,26 @@ namespace feib
           throw RunFailure(message.str());
         }
 
-    blocks.clear();
-    plain.clear();
-    const std::vector<Sheet> sheets =
-      points.nodes_per_point == 1 ? find_sheets(mesh) : std::vector<Sheet>();
-    std::vector<bool> inside(n_points, !sheets.empty()); // a body
+    sheets.clear();
+    if (points.nodes_per_point == 1)
+      sheets = find_sheets(mesh);
+    set_flux_maps(X);
+    cut_sheets(space, X);
+
+    // What is left: nodes inside a body, and load points between the nodes.
+    std::vector<bool> moved(n_points, false);
     for (const Sheet &sheet : sheets)
       for (const unsigned int i : sheet.nodes)
-        inside[i] = false;
-    if (rule != Rule::vertex)
-      add_sheets(space, sheets, X);
+        moved[i] = true;
+    plain.clear();
     dealii::Point<dim> unit;
     for (unsigned int q = 0; q < n_points; ++q)
-      if (inside[q] || rule == Rule::vertex || sheets.empty())
+      if (!moved[q])
         if (const unsigned int cell = space.forest().locate(x[q], unit);
             cell != CartesianForest<dim>::not_here)
           {
-            if (inside[q] || !reconstruct)
-              {
-                plain.push_back({q, cell, {}});
-                EulerianSpace<dim>::shape_values(unit, plain.back().values);
-              }
-            else
-              {
-                blocks.push_back({q, cell, {}});
-                reconstruction->weights(unit, blocks.back().weights);
-              }
+            plain.push_back({q, cell, {}});
+            EulerianSpace<dim>::shape_values(unit, plain.back().values);
           }
   }
 
@@ -221,31 +217,32 @@ namespace feib
   std::vector<typename DivergenceFree<dim>::Sheet>
   DivergenceFree<dim>::find_sheets(const LagrangianMesh<dim> &mesh)
   {
-    std::vector<Sheet> sheets;
+    std::vector<Sheet> result;
     std::vector<bool> outer(mesh.n_nodes(), false);
     for (const Facet &facet : mesh.surface())
       {
-        sheets.push_back({facet, {}});
-        sheets.back().moves.fill(true);
+        result.push_back({facet, {}, {}});
+        result.back().moves.fill(true);
         for (const unsigned int i : facet)
           outer[i] = true;
       }
     for (const Facet &facet : mesh.interfaces())
       {
-        sheets.push_back({facet, {}});
+        result.push_back({facet, {}, {}});
         for (unsigned int v = 0; v < dim; ++v)
-          sheets.back().moves[v] = !outer[facet[v]];
+          result.back().moves[v] = !outer[facet[v]];
       }
-    return sheets;
+    return result;
   }
 
 
   template <int dim>
-  std::vector<std::array<typename DivergenceFree<dim>::Matrix, dim>>
-  DivergenceFree<dim>::flux_maps(const std::vector<Sheet> &sheets, const Positions<dim> &X) const
+  void
+  DivergenceFree<dim>::set_flux_maps(const Positions<dim> &X)
   {
     std::vector<dealii::Tensor<1, dim>> normals(sheets.size()), sums(X.size());
     std::vector<double> areas(X.size(), 0.);
+    std::vector<unsigned int> n_facets(X.size(), 0);
     for (unsigned int k = 0; k < sheets.size(); ++k)
       {
         normals[k] = vector_area<dim>(sheets[k].nodes, X);
@@ -254,12 +251,12 @@ namespace feib
             {
               sums[sheets[k].nodes[v]] += normals[k] / dim;
               areas[sheets[k].nodes[v]] += normals[k].norm() / dim;
+              ++n_facets[sheets[k].nodes[v]];
             }
       }
 
     // Where facets nearly fold back on each other N_i says nothing: the map would be large.
     constexpr double fold = 0.1;
-    std::vector<std::array<Matrix, dim>> maps(sheets.size());
     for (unsigned int k = 0; k < sheets.size(); ++k)
       for (unsigned int v = 0; v < dim; ++v)
         if (sheets[k].moves[v])
@@ -267,7 +264,7 @@ namespace feib
             const unsigned int i             = sheets[k].nodes[v];
             const dealii::Tensor<1, dim> &N  = sums[i];
             const dealii::Tensor<1, dim> &nk = normals[k];
-            Matrix &T                        = maps[k][v];
+            Matrix &T                        = sheets[k].maps[v];
             if (flux_exact && N.norm() > fold * areas[i])
               {
                 const double square            = N.norm_square();
@@ -279,86 +276,52 @@ namespace feib
               }
             else
               for (unsigned int c = 0; c < dim; ++c)
-                T[c][c] = areas[i] > 0 ? nk.norm() / areas[i] : 1.;
+                T[c][c] = areas[i] > 0 ? nk.norm() / areas[i] : double(dim) / n_facets[i];
           }
-    return maps;
   }
 
 
   template <int dim>
   void
-  DivergenceFree<dim>::Moments::clear()
+  DivergenceFree<dim>::Piece::add(const dealii::Point<dim> &unit,
+                                  const std::array<double, dim> &barycentric,
+                                  const double weight)
   {
-    std::fill_n(&shapes[0][0], dim * n, 0.);
-    std::fill_n(&corrections[0][0][0], dim * dim * n_modes, 0.);
-  }
-
-
-  template <int dim>
-  void
-  DivergenceFree<dim>::Moments::add(const dealii::Point<dim> &unit,
-                                    const std::array<double, dim> &barycentric,
-                                    const double weight,
-                                    const Reconstruction<dim> *reconstruction)
-  {
-    double values[n], w[dim][n_modes];
-    EulerianSpace<dim>::shape_values(unit, values);
+    double L[n_modes];
+    dealii::Tensor<1, dim> bubble;
+    Reconstruction<dim>::modes(unit, L, bubble);
     for (unsigned int v = 0; v < dim; ++v)
-      for (unsigned int i = 0; i < n; ++i)
-        shapes[v][i] += weight * barycentric[v] * values[i];
-    if (!reconstruction)
-      return;
-    reconstruction->corrections(unit, w);
-    for (unsigned int v = 0; v < dim; ++v)
-      for (unsigned int c = 0; c < dim; ++c)
+      {
+        const double factor = weight * barycentric[v];
         for (unsigned int m = 0; m < n_modes; ++m)
-          corrections[v][c][m] += weight * barycentric[v] * w[c][m];
+          values[v][m] += factor * L[m];
+        for (unsigned int i = 0; i < dim; ++i)
+          {
+            const double scaled = factor * bubble[i];
+            for (unsigned int m = 0; m < n_modes; ++m)
+              bubbles[v][i][m] += scaled * L[m];
+          }
+      }
   }
 
 
   template <int dim>
   void
-  DivergenceFree<dim>::add_sheets(const EulerianSpace<dim> &space,
-                                  const std::vector<Sheet> &sheets,
-                                  const Positions<dim> &X)
+  DivergenceFree<dim>::cut_sheets(const EulerianSpace<dim> &space, const Positions<dim> &X)
   {
-    // The few blocks of a node, as a list, and the coefficients of the corrections of each block.
-    constexpr unsigned int none = -1;
-    struct Mixed
-    {
-      unsigned int next;
-      double modes[dim][n_modes];
-    };
-    std::vector<unsigned int> first(X.size(), none);
-    std::vector<Mixed> mixed;
-    const auto block_of = [&](const unsigned int node, const unsigned int cell) {
-      for (unsigned int b = first[node]; b != none; b = mixed[b].next)
-        if (blocks[b].cell == cell)
-          return b;
-      blocks.push_back({node, cell, {}});
-      mixed.push_back({first[node], {}});
-      return first[node] = blocks.size() - 1;
-    };
-
-    const auto maps = flux_maps(sheets, X);
-    Moments moments;
-    const auto distribute = [&](const unsigned int k, const unsigned int cell) {
-      for (unsigned int v = 0; v < dim; ++v)
+    pieces.clear();
+    touched_cells.clear();
+    std::vector<unsigned int> number(space.cells().size(), CartesianForest<dim>::not_here);
+    const auto add_piece = [&](const unsigned int sheet, const unsigned int cell) -> Piece & {
+      if (number[cell] == CartesianForest<dim>::not_here)
         {
-          if (!sheets[k].moves[v])
-            continue;
-          const unsigned int b = block_of(sheets[k].nodes[v], cell);
-          const Matrix &T      = maps[k][v];
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int c = 0; c < dim; ++c)
-              {
-                for (unsigned int i = 0; i < n; ++i)
-                  blocks[b].weights[a][c * n + i] += T[c][a] * moments.shapes[v][i];
-                if (reconstruct)
-                  for (unsigned int m = 0; m < n_modes; ++m)
-                    mixed[b].modes[a][m] += T[c][a] * moments.corrections[v][c][m];
-              }
+          number[cell] = touched_cells.size();
+          touched_cells.push_back(cell);
         }
+      pieces.emplace_back();
+      pieces.back().sheet = sheet;
+      pieces.back().cell  = number[cell];
+      return pieces.back();
     };
 
     std::array<dealii::Point<dim>, dim> corners;
@@ -366,41 +329,21 @@ namespace feib
       {
         for (unsigned int v = 0; v < dim; ++v)
           corners[v] = X[sheets[k].nodes[v]];
-        if (rule == Rule::gauss)
-          for (unsigned int q = 0; q < quadrature.size(); ++q)
-            {
-              std::array<double, dim> barycentric{1.};
-              for (unsigned int v = 1; v < dim; ++v)
-                {
-                  barycentric[v] = quadrature.point(q)[v - 1];
-                  barycentric[0] -= barycentric[v];
-                }
-              dealii::Point<dim> x, unit;
-              for (unsigned int v = 0; v < dim; ++v)
-                x += barycentric[v] * corners[v];
-              const unsigned int cell = space.forest().locate(x, unit);
-              if (cell == CartesianForest<dim>::not_here)
-                continue;
-              moments.clear();
-              moments.add(unit, barycentric, quadrature.weight(q), reconstruction.get());
-              distribute(k, cell);
-            }
-        else
-          space.forest().cut(corners, [&](const unsigned int cell, const auto &piece) {
-            moments.clear();
+        if (cut)
+          space.forest().cut(corners, [&](const unsigned int cell, const auto &polygon) {
+            Piece &piece = add_piece(k, cell);
             // A fan of simplices about the first corner.
-            for (unsigned int s = 1; s + dim <= piece.size() + 1; ++s)
+            for (unsigned int s = 1; s + dim <= polygon.size() + 1; ++s)
               {
                 const auto corner = [&](const unsigned int v) -> const auto &
                 {
-                  return piece[v == 0 ? 0 : s + v - 1];
+                  return polygon[v == 0 ? 0 : s + v - 1];
                 };
-                // The part of the facet it covers.
                 Matrix barycentric;
                 for (unsigned int v = 0; v < dim; ++v)
                   for (unsigned int w = 0; w < dim; ++w)
                     barycentric[v][w] = corner(v).barycentric[w];
-                const double part = std::abs(determinant(barycentric));
+                const double part = std::abs(determinant(barycentric)); // of the facet
                 for (unsigned int q = 0; q < quadrature.size(); ++q)
                   {
                     dealii::Point<dim> unit        = corner(0).unit;
@@ -412,17 +355,47 @@ namespace feib
                         for (unsigned int w = 0; w < dim; ++w)
                           lambda[w] += t * (corner(v).barycentric[w] - corner(0).barycentric[w]);
                       }
-                    moments.add(unit, lambda, part * quadrature.weight(q), reconstruction.get());
+                    piece.add(unit, lambda, part * quadrature.weight(q));
                   }
               }
-            distribute(k, cell);
           });
+        else
+          for (unsigned int q = 0; q < quadrature.size(); ++q)
+            {
+              std::array<double, dim> lambda{1.};
+              for (unsigned int v = 1; v < dim; ++v)
+                {
+                  lambda[v] = quadrature.point(q)[v - 1];
+                  lambda[0] -= lambda[v];
+                }
+              dealii::Point<dim> x, unit;
+              for (unsigned int v = 0; v < dim; ++v)
+                x += lambda[v] * corners[v];
+              const unsigned int cell = space.forest().locate(x, unit);
+              if (cell != CartesianForest<dim>::not_here)
+                add_piece(k, cell).add(unit, lambda, quadrature.weight(q));
+            }
       }
+    if (!reconstruct)
+      for (Piece &piece : pieces)
+        std::fill_n(&piece.bubbles[0][0][0], dim * dim * n_modes, 0.);
+  }
 
-    if (reconstruct)
-      for (unsigned int b = 0; b < blocks.size(); ++b)
-        for (unsigned int a = 0; a < dim; ++a)
-          reconstruction->subtract_transpose(mixed[b].modes[a], blocks[b].weights[a]);
+
+  template <int dim>
+  std::vector<typename DivergenceFree<dim>::Coefficients>
+  DivergenceFree<dim>::coefficients(const EulerianSpace<dim> &space, const VelocityVector &u) const
+  {
+    std::vector<Coefficients> result(touched_cells.size());
+    double local[n_velocity];
+    for (unsigned int c = 0; c < touched_cells.size(); ++c)
+      {
+        const unsigned int *dofs = space.velocity_dofs(touched_cells[c]);
+        for (unsigned int j = 0; j < n_velocity; ++j)
+          local[j] = u.local_element(dofs[j]);
+        reconstruction->coefficients(local, result[c]);
+      }
+    return result;
   }
 
 
@@ -433,18 +406,25 @@ namespace feib
                                    NodalField<dim> &U) const
   {
     std::vector<double> values(n_points * dim, 0.);
-    double local[n_velocity];
-    for (const Block &block : blocks)
+    const std::vector<Coefficients> cells = coefficients(space, u);
+    for (const Piece &piece : pieces)
       {
-        const unsigned int *dofs = space.velocity_dofs(block.cell);
-        for (unsigned int j = 0; j < n_velocity; ++j)
-          local[j] = u.local_element(dofs[j]);
-        for (unsigned int a = 0; a < dim; ++a)
+        const Coefficients &cell = cells[piece.cell];
+        const Sheet &sheet       = sheets[piece.sheet];
+        for (unsigned int v = 0; v < dim; ++v)
           {
-            double sum = 0;
-            for (unsigned int j = 0; j < n_velocity; ++j)
-              sum += block.weights[a][j] * local[j];
-            values[block.point * dim + a] += sum;
+            dealii::Tensor<1, dim> integral; // of phi_v R u
+            for (unsigned int i = 0; i < dim; ++i)
+              {
+                double sum = 0;
+                for (unsigned int m = 0; m < n_modes; ++m)
+                  sum += piece.values[v][m] * cell.values[i][m] +
+                         piece.bubbles[v][i][m] * cell.bubbles[i][m];
+                integral[i] = sum;
+              }
+            const dealii::Tensor<1, dim> U_v = integral * sheet.maps[v];
+            for (unsigned int i = 0; i < dim; ++i)
+              values[sheet.nodes[v] * dim + i] += U_v[i];
           }
       }
     for (const Plain &point : plain)
@@ -469,17 +449,29 @@ namespace feib
                               VelocityVector &rhs) const
   {
     rhs.zero_out_ghost_values();
-    for (const Block &block : blocks)
+    std::vector<Coefficients> cells(touched_cells.size()); // functionals of R u, zero
+    for (const Piece &piece : pieces)
       {
-        const unsigned int *dofs         = space.velocity_dofs(block.cell);
-        const dealii::Tensor<1, dim> &fq = f[block.point];
-        for (unsigned int j = 0; j < n_velocity; ++j)
+        Coefficients &cell = cells[piece.cell];
+        const Sheet &sheet = sheets[piece.sheet];
+        for (unsigned int v = 0; v < dim; ++v)
           {
-            double sum = 0;
-            for (unsigned int a = 0; a < dim; ++a)
-              sum += block.weights[a][j] * fq[a];
-            rhs.local_element(dofs[j]) += sum;
+            const dealii::Tensor<1, dim> force = sheet.maps[v] * f[sheet.nodes[v]];
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int m = 0; m < n_modes; ++m)
+                {
+                  cell.values[i][m] += force[i] * piece.values[v][m];
+                  cell.bubbles[i][m] += force[i] * piece.bubbles[v][i][m];
+                }
           }
+      }
+    double local[n_velocity];
+    for (unsigned int c = 0; c < touched_cells.size(); ++c)
+      {
+        const unsigned int *dofs = space.velocity_dofs(touched_cells[c]);
+        reconstruction->weights(cells[c], local);
+        for (unsigned int j = 0; j < n_velocity; ++j)
+          rhs.local_element(dofs[j]) += local[j];
       }
     for (const Plain &point : plain)
       {
@@ -496,26 +488,47 @@ namespace feib
   MatrixEntries
   DivergenceFree<dim>::entries(const EulerianSpace<dim> &space) const
   {
+    const auto &partitioner = *space.velocity.get_partitioner();
     MatrixEntries result;
-    for (const Block &block : blocks)
-      {
-        const unsigned int *dofs = space.velocity_dofs(block.cell);
-        for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int j = 0; j < n_velocity; ++j)
-            if (block.weights[a][j] != 0)
-              result.push_back({std::uint64_t(block.point) * dim + a,
-                                space.velocity.get_partitioner()->local_to_global(dofs[j]),
-                                block.weights[a][j]});
-      }
+    const auto add_row =
+      [&](const std::uint64_t row, const unsigned int cell, const double *weights) {
+        for (unsigned int j = 0; j < n_velocity; ++j)
+          if (weights[j] != 0)
+            result.push_back(
+              {row, partitioner.local_to_global(space.velocity_dofs(cell)[j]), weights[j]});
+      };
+
+    // The pieces of a node in a cell together make one functional for each component.
+    std::map<std::pair<unsigned int, unsigned int>, std::array<Coefficients, dim>> functionals;
+    for (const Piece &piece : pieces)
+      for (unsigned int v = 0; v < dim; ++v)
+        {
+          const Sheet &sheet = sheets[piece.sheet];
+          if (!sheet.moves[v])
+            continue;
+          auto &functional = functionals[{sheet.nodes[v], touched_cells[piece.cell]}];
+          for (unsigned int a = 0; a < dim; ++a)
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int m = 0; m < n_modes; ++m)
+                {
+                  functional[a].values[i][m] += sheet.maps[v][i][a] * piece.values[v][m];
+                  functional[a].bubbles[i][m] += sheet.maps[v][i][a] * piece.bubbles[v][i][m];
+                }
+        }
+    double weights[n_velocity];
+    for (const auto &[place, functional] : functionals)
+      for (unsigned int a = 0; a < dim; ++a)
+        {
+          reconstruction->weights(functional[a], weights);
+          add_row(std::uint64_t(place.first) * dim + a, place.second, weights);
+        }
     for (const Plain &point : plain)
-      {
-        const unsigned int *dofs = space.velocity_dofs(point.cell);
-        for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int i = 0; i < n; ++i)
-            result.push_back({std::uint64_t(point.point) * dim + a,
-                              space.velocity.get_partitioner()->local_to_global(dofs[a * n + i]),
-                              point.values[i]});
-      }
+      for (unsigned int a = 0; a < dim; ++a)
+        {
+          std::fill_n(weights, n_velocity, 0.);
+          std::copy_n(point.values, n, &weights[a * n]);
+          add_row(std::uint64_t(point.point) * dim + a, point.cell, weights);
+        }
     return result;
   }
 } // namespace feib
