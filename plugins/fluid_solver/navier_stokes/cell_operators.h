@@ -77,6 +77,21 @@ namespace feib
                         double *result,
                         unsigned int outflow_faces = 0) const;
 
+    /// u^T matrix u for a matrix of a cell.
+    static double
+    quadratic_form(const std::vector<double> &matrix, const double *u)
+    {
+      double sum = 0;
+      for (unsigned int i = 0; i < n_u; ++i)
+        {
+          double row = 0;
+          for (unsigned int j = 0; j < n_u; ++j)
+            row += matrix[i * n_u + j] * u[j];
+          sum += u[i] * row;
+        }
+      return sum;
+    }
+
     /// Integrals over the unit cell, int (R v)_a = sum_j mean[a][j] v_j and int x_b (R v)_a =
     /// sum_j moment[b][a][j] v_j with x from the cell's corner.
     double mean[dim][n_u];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cell_operators.h"
 #include "direct_solver.h"
+#include "fluid_integrals.h"
 #include "navier_stokes_schema.h"
 
 #include <feib/error.h>
@@ -10,7 +11,6 @@
 #include <feib/plugin.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/full_matrix.h>
 #include <deal.II/lac/la_parallel_block_vector.h>
 #include <deal.II/lac/solver_control.h>
@@ -102,7 +102,11 @@ namespace feib
       return mu;
     }
 
-    Balance balance(const Space &space) const override;
+    Balance
+    balance(const Space &space) const override
+    {
+      return fluid_balance(space, operators, rho);
+    }
 
   private:
     static constexpr unsigned int n   = CellOperators<dim>::n;
@@ -135,21 +139,6 @@ namespace feib
 
     std::vector<LevelMatrices> level_matrices(const Space &space, double alpha) const;
 
-    /// u^T matrix u for a matrix of a cell.
-    static double
-    quadratic_form(const std::vector<double> &matrix, const double *u)
-    {
-      double sum = 0;
-      for (unsigned int i = 0; i < n_u; ++i)
-        {
-          double row = 0;
-          for (unsigned int j = 0; j < n_u; ++j)
-            row += matrix[i * n_u + j] * u[j];
-          sum += u[i] * row;
-        }
-      return sum;
-    }
-
     /// The nearest velocity (in L2) that is discretely divergence-free.
     void project(Space &space);
 
@@ -159,7 +148,13 @@ namespace feib
 
     void factorize(const Space &space, const VelocityVector *w, const ImplicitLoad<dim> *load);
 
-    VelocityVector body_force_vector(const Space &space, double time) const;
+    void
+    assemble_body_force(const Space &space, const double time)
+    {
+      body_force->set_time(time);
+      body_force_load =
+        load_of_body_force(space, *body_force, reconstruction ? &*reconstruction : nullptr);
+    }
 
     VelocityVector extrapolated_velocity(const Space &space, double dt) const;
 
@@ -383,7 +378,7 @@ namespace feib
       return;
     levels = level_matrices(space, rho / dt);
     if (revision != space.revision() && body_force && !body_force_varies)
-      body_force_load = body_force_vector(space, 0.);
+      assemble_body_force(space, 0.);
     if (revision != space.revision())
       find_outflow_faces(space);
     revision               = space.revision();
@@ -449,48 +444,6 @@ namespace feib
     iterations             = 0;
     last_uses              = uses;
     uses                   = 0;
-  }
-
-
-  template <int dim>
-  VelocityVector
-  NavierStokes<dim>::body_force_vector(const Space &space, const double time) const
-  {
-    VelocityVector result = space.make_velocity();
-    body_force->set_time(time);
-    // With 8 points per direction a smooth gradient does no work on R v beside round-off.
-    const dealii::QGauss<dim> quadrature(reconstruction ? 8 : 4);
-    struct Values
-    {
-      double of[dim][n_u];
-    };
-    std::vector<Values> tested(quadrature.size());
-    for (unsigned int q = 0; q < quadrature.size(); ++q)
-      velocity_values<dim>(reconstruction ? &*reconstruction : nullptr,
-                           quadrature.point(q),
-                           tested[q].of);
-    std::vector<dealii::Point<dim>> points(quadrature.size());
-    std::vector<dealii::Vector<double>> forces(quadrature.size(), dealii::Vector<double>(dim));
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const auto &cell = space.cells()[c];
-        double det       = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          det *= cell.size[a];
-        for (unsigned int q = 0; q < quadrature.size(); ++q)
-          for (unsigned int a = 0; a < dim; ++a)
-            points[q][a] = cell.lower[a] + cell.size[a] * quadrature.point(q)[a];
-        body_force->vector_value_list(points, forces);
-        double local[n_u] = {};
-        for (unsigned int q = 0; q < quadrature.size(); ++q)
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int i = 0; i < n_u; ++i)
-              local[i] += det * quadrature.weight(q) * forces[q][a] * tested[q].of[a][i];
-        for (unsigned int i = 0; i < n_u; ++i)
-          result.local_element(space.velocity_dofs(c)[i]) += local[i];
-      }
-    result.compress(dealii::VectorOperation::add);
-    return result;
   }
 
 
@@ -791,7 +744,7 @@ namespace feib
     if (body_force)
       {
         if (body_force_varies)
-          body_force_load = body_force_vector(space, step.time);
+          assemble_body_force(space, step.time);
         fixed += body_force_load;
       }
     return fixed;
@@ -863,8 +816,8 @@ namespace feib
             u[i]  = space.velocity.local_element(space.velocity_dofs(c)[i]);
             du[i] = u[i] - space.old_velocity.local_element(space.velocity_dofs(c)[i]);
           }
-        dissipation += quadratic_form(local.viscous, u);
-        increment += .5 * quadratic_form(local.mass, du);
+        dissipation += CellOperators<dim>::quadratic_form(local.viscous, u);
+        increment += .5 * CellOperators<dim>::quadratic_form(local.mass, du);
       }
     report.dissipation      = dealii::Utilities::MPI::sum(dissipation, space.communicator());
     report.increment_energy = dealii::Utilities::MPI::sum(increment, space.communicator());
@@ -972,83 +925,6 @@ namespace feib
       }
     account(space, present, explicit_convection, report);
     return report;
-  }
-
-
-  template <int dim>
-  typename NavierStokes<dim>::Balance
-  NavierStokes<dim>::balance(const Space &space) const
-  {
-    std::vector<std::vector<double>> masses; // rho M of each level
-    Balance result;
-    double u[n_u];
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const auto &cell = space.cells()[c];
-        if (cell.level >= masses.size())
-          masses.resize(cell.level + 1);
-        if (masses[cell.level].empty())
-          masses[cell.level] = operators.velocity_matrix(cell.size, rho, 0., symmetric);
-        for (unsigned int i = 0; i < n_u; ++i)
-          u[i] = space.velocity.local_element(space.velocity_dofs(c)[i]);
-        result.kinetic_energy += .5 * quadratic_form(masses[cell.level], u);
-
-        double det = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          det *= cell.size[a];
-        for (unsigned int q = 0; q < CellOperators<dim>::n_q; ++q)
-          {
-            double divergence = 0;
-            for (unsigned int a = 0; a < dim; ++a)
-              {
-                double derivative = 0;
-                for (unsigned int i = 0; i < n; ++i)
-                  derivative += operators.dphi[a][q][i] * u[a * n + i];
-                divergence += derivative / cell.size[a];
-              }
-            result.divergence += det * operators.weights[q] * divergence * divergence;
-          }
-        double mean[dim] = {}, moment[dim][dim] = {}; // int u_a, int x_b u_a
-        for (unsigned int a = 0; a < dim; ++a)
-          {
-            for (unsigned int j = 0; j < n_u; ++j)
-              {
-                mean[a] += det * operators.mean[a][j] * u[j];
-                for (unsigned int b = 0; b < dim; ++b)
-                  moment[a][b] += det *
-                                  (cell.lower[b] * operators.mean[a][j] +
-                                   cell.size[b] * operators.moment[b][a][j]) *
-                                  u[j];
-              }
-            result.momentum[a] += rho * mean[a];
-          }
-        result.angular_momentum[2] += rho * (moment[1][0] - moment[0][1]);
-        if constexpr (dim == 3)
-          {
-            result.angular_momentum[0] += rho * (moment[2][1] - moment[1][2]);
-            result.angular_momentum[1] += rho * (moment[0][2] - moment[2][0]);
-          }
-        for (unsigned int i = 0; i < n; ++i)
-          {
-            double square = 0, rate = 0;
-            for (unsigned int a = 0; a < dim; ++a)
-              {
-                square += u[a * n + i] * u[a * n + i];
-                rate += std::abs(u[a * n + i]) / cell.size[a];
-              }
-            result.largest_velocity = std::max(result.largest_velocity, square);
-            result.cfl_rate         = std::max(result.cfl_rate, rate);
-          }
-      }
-    const MPI_Comm communicator = space.communicator();
-    result.kinetic_energy       = dealii::Utilities::MPI::sum(result.kinetic_energy, communicator);
-    result.divergence = std::sqrt(dealii::Utilities::MPI::sum(result.divergence, communicator));
-    result.momentum   = dealii::Utilities::MPI::sum(result.momentum, communicator);
-    result.angular_momentum = dealii::Utilities::MPI::sum(result.angular_momentum, communicator);
-    result.largest_velocity =
-      std::sqrt(dealii::Utilities::MPI::max(result.largest_velocity, communicator));
-    result.cfl_rate = dealii::Utilities::MPI::max(result.cfl_rate, communicator);
-    return result;
   }
 } // namespace feib
 
