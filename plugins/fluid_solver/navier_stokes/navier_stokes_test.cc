@@ -296,6 +296,23 @@ TEST(NavierStokes, KernelsAgreeWithAssembly)
     }
 }
 
+TEST(NavierStokes, ReconstructionHasAKernel)
+{
+  // Along the edges of a cell, out of two opposite corners into the others: a reason not to take
+  // |R u| for a norm.
+  dealii::Tensor<1, 2> size;
+  size[0] = size[1] = 1;
+  std::vector<double> u(CellOperators<2>::n_u, 0.);
+  u[1] = u[9 + 3] = 1;
+  u[7] = u[9 + 5] = -1;
+  const Reconstruction<2> reconstruction(size);
+  const auto square = [&](const CellOperators<2> &operators) {
+    return CellOperators<2>::quadratic_form(operators.velocity_matrix(size, 1, 0, true), u.data());
+  };
+  EXPECT_NEAR(square(CellOperators<2>(&reconstruction)), 0, 1e-15);
+  EXPECT_GT(square(CellOperators<2>()), .1);
+}
+
 TEST(NavierStokes, RatesOnUniformMeshes)
 {
   check_rates<2>(16, false);
