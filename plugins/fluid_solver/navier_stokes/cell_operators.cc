@@ -6,6 +6,8 @@
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
 
+#include <algorithm>
+
 namespace feib
 {
   namespace
@@ -23,7 +25,27 @@ namespace feib
 
 
   template <int dim>
-  CellOperators<dim>::CellOperators()
+  void
+  velocity_values(const Reconstruction<dim> *reconstruction,
+                  const dealii::Point<dim> &unit,
+                  double (&values)[dim][EulerianSpace<dim>::n_velocity])
+  {
+    constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
+    if (reconstruction)
+      {
+        reconstruction->weights(unit, values);
+        return;
+      }
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        std::fill_n(values[a], dim * n, 0.);
+        EulerianSpace<dim>::shape_values(unit, &values[a][a * n]);
+      }
+  }
+
+
+  template <int dim>
+  CellOperators<dim>::CellOperators(const Reconstruction<dim> *reconstruction)
     : mean()
     , moment()
     , mass()
@@ -50,32 +72,39 @@ namespace feib
           }
       }
 
-    points = quadrature.get_points();
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        first[a] = reconstruction ? 0 : a * n;
+        last[a]  = reconstruction ? n_u : (a + 1) * n;
+      }
     for (unsigned int q = 0; q < n_q; ++q)
       {
-        weights[q] = quadrature.weight(q);
+        const dealii::Point<dim> &x = quadrature.point(q);
+        weights[q]                  = quadrature.weight(q);
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int a = 0; a < dim; ++a)
+            dphi[a][q][i] = velocity.shape_grad(hierarchic[i], x)[a];
+        double at_x[dim][n_u];
+        velocity_values(reconstruction, x, at_x);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int j = 0; j < n_u; ++j)
+            {
+              values[a][q][j] = at_x[a][j];
+              mean[a][j] += weights[q] * at_x[a][j];
+              for (unsigned int b = 0; b < dim; ++b)
+                moment[b][a][j] += weights[q] * x[b] * at_x[a][j];
+              for (unsigned int i = 0; i < n_u; ++i)
+                mass[i][j] += weights[q] * at_x[a][i] * at_x[a][j];
+            }
         for (unsigned int i = 0; i < n; ++i)
           {
-            phi[q][i] = velocity.shape_value(hierarchic[i], points[q]);
-            for (unsigned int a = 0; a < dim; ++a)
-              dphi[a][q][i] = velocity.shape_grad(hierarchic[i], points[q])[a];
-          }
-        for (unsigned int i = 0; i < n; ++i)
-          {
-            mean[i] += weights[q] * phi[q][i];
-            for (unsigned int a = 0; a < dim; ++a)
-              moment[a][i] += weights[q] * points[q][a] * phi[q][i];
             for (unsigned int j = 0; j < n; ++j)
-              {
-                mass[i][j] += weights[q] * phi[q][i] * phi[q][j];
-                for (unsigned int a = 0; a < dim; ++a)
-                  for (unsigned int b = 0; b < dim; ++b)
-                    stiffness[a][b][i][j] += weights[q] * dphi[a][q][i] * dphi[b][q][j];
-              }
+              for (unsigned int a = 0; a < dim; ++a)
+                for (unsigned int b = 0; b < dim; ++b)
+                  stiffness[a][b][i][j] += weights[q] * dphi[a][q][i] * dphi[b][q][j];
             for (unsigned int k = 0; k < n_p; ++k)
               for (unsigned int a = 0; a < dim; ++a)
-                divergence[a][k][i] +=
-                  weights[q] * pressure.shape_value(k, points[q]) * dphi[a][q][i];
+                divergence[a][k][i] += weights[q] * pressure.shape_value(k, x) * dphi[a][q][i];
           }
       }
   }
@@ -86,22 +115,26 @@ namespace feib
   CellOperators<dim>::velocity_matrix(const Size &size,
                                       const double alpha,
                                       const double mu,
-                                      const bool symmetric) const
+                                      const bool symmetric,
+                                      const double gamma) const
   {
     const double det = volume(size);
     std::vector<double> matrix(n_u * n_u, 0.);
+    for (unsigned int i = 0; i < n_u; ++i)
+      for (unsigned int j = 0; j < n_u; ++j)
+        matrix[i * n_u + j] = alpha * det * mass[i][j];
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int i = 0; i < n; ++i)
         for (unsigned int j = 0; j < n; ++j)
           {
-            double value = alpha * det * mass[i][j];
             for (unsigned int a = 0; a < dim; ++a)
-              value += mu * det / (size[a] * size[a]) * stiffness[a][a][i][j];
-            matrix[(c * n + i) * n_u + c * n + j] += value;
-            if (symmetric) // (d_c u_d, d_d v_c)
-              for (unsigned int d = 0; d < dim; ++d)
-                matrix[(c * n + i) * n_u + d * n + j] +=
-                  mu * det / (size[c] * size[d]) * stiffness[d][c][i][j];
+              matrix[(c * n + i) * n_u + c * n + j] +=
+                mu * det / (size[a] * size[a]) * stiffness[a][a][i][j];
+            for (unsigned int d = 0; d < dim; ++d)
+              matrix[(c * n + i) * n_u + d * n + j] +=
+                det / (size[c] * size[d]) *
+                ((symmetric ? mu : 0.) * stiffness[d][c][i][j] + // (d_c u_d, d_d v_c)
+                 gamma * stiffness[c][d][i][j]);                 // (d_d u_d, d_c v_c)
           }
     return matrix;
   }
@@ -126,29 +159,39 @@ namespace feib
   CellOperators<dim>::convection_matrix(const Size &size,
                                         const double *w,
                                         const double rho,
-                                        const bool skew,
+                                        const ConvectiveForm form,
                                         const unsigned int outflow_faces) const
   {
     const double det = volume(size);
-    std::vector<double> matrix(n * n, 0.);
-    double advected[n];
+    const bool skew  = form == ConvectiveForm::skew_symmetric;
+    std::vector<double> matrix(n_u * n_u, 0.);
     for (unsigned int q = 0; q < n_q; ++q)
       {
-        for (unsigned int j = 0; j < n; ++j)
-          advected[j] = 0;
+        const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
+        double wq[dim], advected[n] = {}; // factor w, factor w . grad phi_j
         for (unsigned int a = 0; a < dim; ++a)
           {
-            double wa = 0;
-            for (unsigned int i = 0; i < n; ++i)
-              wa += phi[q][i] * w[a * n + i];
+            wq[a] = factor * value(a, q, w);
             for (unsigned int j = 0; j < n; ++j)
-              advected[j] += wa / size[a] * dphi[a][q][j];
+              advected[j] += wq[a] / size[a] * dphi[a][q][j];
           }
-        const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
-        for (unsigned int i = 0; i < n; ++i)
-          for (unsigned int j = 0; j < n; ++j)
-            matrix[i * n + j] +=
-              factor * (phi[q][i] * advected[j] - (skew ? advected[i] * phi[q][j] : 0.));
+        for (unsigned int c = 0; c < dim; ++c)
+          {
+            double force[n_u] = {}; // component c for each unknown of u
+            for (unsigned int j = 0; j < n; ++j)
+              force[c * n + j] = advected[j];
+            if (form == ConvectiveForm::rotational) // (curl u x w)_c = w_d (d_d u_c - d_c u_d)
+              for (unsigned int d = 0; d < dim; ++d)
+                for (unsigned int j = 0; j < n; ++j)
+                  force[d * n + j] -= wq[d] / size[c] * dphi[c][q][j];
+            for (unsigned int i = first[c]; i < last[c]; ++i)
+              for (unsigned int j = 0; j < n_u; ++j)
+                matrix[i * n_u + j] += values[c][q][i] * force[j];
+            if (skew)
+              for (unsigned int i = 0; i < n; ++i)
+                for (unsigned int j = first[c]; j < last[c]; ++j)
+                  matrix[(c * n + i) * n_u + j] -= advected[i] * values[c][q][j];
+          }
       }
     if (skew)
       for (unsigned int f = 0; f < 2 * dim; ++f)
@@ -156,9 +199,11 @@ namespace feib
           for (unsigned int q = 0; q < n_face_q; ++q)
             {
               const double factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
-              for (unsigned int i = 0; i < n; ++i)
-                for (unsigned int j = 0; j < n; ++j)
-                  matrix[i * n + j] += factor * face_phi[f][q][i] * face_phi[f][q][j];
+              for (unsigned int c = 0; c < dim; ++c)
+                for (unsigned int i = 0; i < n; ++i)
+                  for (unsigned int j = 0; j < n; ++j)
+                    matrix[(c * n + i) * n_u + c * n + j] +=
+                      factor * face_phi[f][q][i] * face_phi[f][q][j];
             }
     return matrix;
   }
@@ -184,41 +229,44 @@ namespace feib
                                      const double *w,
                                      const double *u,
                                      const double rho,
-                                     const bool skew,
+                                     const ConvectiveForm form,
                                      double *result,
                                      const unsigned int outflow_faces) const
   {
-    const double det = volume(size);
+    const double det      = volume(size);
+    const bool skew       = form == ConvectiveForm::skew_symmetric;
+    const bool rotational = form == ConvectiveForm::rotational;
     for (unsigned int q = 0; q < n_q; ++q)
       {
-        double wq[dim]; // w_a / h_a
+        const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
+        double wq[dim], advected[n] = {}; // factor w, factor w . grad phi_i
         for (unsigned int a = 0; a < dim; ++a)
           {
-            double sum = 0;
+            wq[a] = factor * value(a, q, w);
             for (unsigned int i = 0; i < n; ++i)
-              sum += phi[q][i] * w[a * n + i];
-            wq[a] = sum / size[a];
+              advected[i] += wq[a] / size[a] * dphi[a][q][i];
           }
-        double advected[n]; // w . grad phi_i
-        for (unsigned int i = 0; i < n; ++i)
-          {
-            advected[i] = 0;
-            for (unsigned int a = 0; a < dim; ++a)
-              advected[i] += wq[a] * dphi[a][q][i];
-          }
-        const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
+        double along[n] = {}; // factor w . u_i
+        if (rotational)
+          for (unsigned int a = 0; a < dim; ++a)
+            for (unsigned int i = 0; i < n; ++i)
+              along[i] += wq[a] * u[a * n + i];
         for (unsigned int c = 0; c < dim; ++c)
           {
-            double value = 0, derivative = 0;
+            double force = 0; // w_a d_a u_c, rotational: less w_a d_c u_a
             for (unsigned int i = 0; i < n; ++i)
+              force += advected[i] * u[c * n + i];
+            if (rotational)
+              for (unsigned int i = 0; i < n; ++i)
+                force -= along[i] / size[c] * dphi[c][q][i];
+            for (unsigned int i = first[c]; i < last[c]; ++i)
+              result[i] += force * values[c][q][i];
+            if (skew)
               {
-                value += phi[q][i] * u[c * n + i];
-                derivative += advected[i] * u[c * n + i];
+                const double uq = value(c, q, u);
+                for (unsigned int i = 0; i < n; ++i)
+                  result[c * n + i] -= uq * advected[i];
               }
-            derivative *= factor;
-            value *= skew ? factor : 0.;
-            for (unsigned int i = 0; i < n; ++i)
-              result[c * n + i] += derivative * phi[q][i] - value * advected[i];
           }
       }
     if (skew)
@@ -239,6 +287,10 @@ namespace feib
   }
 
 
+  template void
+  velocity_values<2>(const Reconstruction<2> *, const dealii::Point<2> &, double (&)[2][18]);
+  template void
+  velocity_values<3>(const Reconstruction<3> *, const dealii::Point<3> &, double (&)[3][81]);
   template class CellOperators<2>;
   template class CellOperators<3>;
 } // namespace feib

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cell_operators.h"
 #include "direct_solver.h"
+#include "fluid_integrals.h"
 #include "navier_stokes_schema.h"
 
+#include <feib/error.h>
 #include <feib/expression.h>
 #include <feib/fluid_solver.h>
 #include <feib/log.h>
@@ -16,6 +18,7 @@
 
 #include <cmath>
 #include <iomanip>
+#include <optional>
 #include <sstream>
 
 namespace feib
@@ -28,6 +31,38 @@ namespace feib
       explicit_extrapolation,
       implicit
     };
+
+    /// What is tested with R v instead of v.
+    enum class Reconstructed
+    {
+      none,
+      body_force,
+      all
+    };
+
+    Convection
+    convection_of(const std::string &name)
+    {
+      return name == "none"       ? Convection::none
+             : name == "explicit" ? Convection::explicit_extrapolation
+                                  : Convection::implicit;
+    }
+
+    ConvectiveForm
+    convective_form_of(const std::string &name)
+    {
+      return name == "skew_symmetric" ? ConvectiveForm::skew_symmetric
+             : name == "convective"   ? ConvectiveForm::convective
+                                      : ConvectiveForm::rotational;
+    }
+
+    Reconstructed
+    reconstructed_of(const std::string &name)
+    {
+      return name == "none"         ? Reconstructed::none
+             : name == "body_force" ? Reconstructed::body_force
+                                    : Reconstructed::all;
+    }
 
     using BlockVector = dealii::LinearAlgebra::distributed::BlockVector<double>;
   } // namespace
@@ -67,7 +102,11 @@ namespace feib
       return mu;
     }
 
-    Balance balance(const Space &space) const override;
+    Balance
+    balance(const Space &space) const override
+    {
+      return fluid_balance(space, operators, rho);
+    }
 
   private:
     static constexpr unsigned int n   = CellOperators<dim>::n;
@@ -77,9 +116,9 @@ namespace feib
     /// Dense matrices of a cell; all cells of a level have the same size.
     struct LevelMatrices
     {
-      std::vector<double> velocity;   // alpha M + mu K
+      std::vector<double> velocity;   // alpha M + mu K + gamma D
       std::vector<double> mass;       // rho M
-      std::vector<double> viscous;    // mu K
+      std::vector<double> viscous;    // mu K + gamma D
       std::vector<double> divergence; // (div u, q)
     };
 
@@ -100,21 +139,6 @@ namespace feib
 
     std::vector<LevelMatrices> level_matrices(const Space &space, double alpha) const;
 
-    /// u^T matrix u for a matrix of a cell.
-    static double
-    quadratic_form(const std::vector<double> &matrix, const double *u)
-    {
-      double sum = 0;
-      for (unsigned int i = 0; i < n_u; ++i)
-        {
-          double row = 0;
-          for (unsigned int j = 0; j < n_u; ++j)
-            row += matrix[i * n_u + j] * u[j];
-          sum += u[i] * row;
-        }
-      return sum;
-    }
-
     /// The nearest velocity (in L2) that is discretely divergence-free.
     void project(Space &space);
 
@@ -124,7 +148,13 @@ namespace feib
 
     void factorize(const Space &space, const VelocityVector *w, const ImplicitLoad<dim> *load);
 
-    VelocityVector body_force_vector(const Space &space, double time) const;
+    void
+    assemble_body_force(const Space &space, const double time)
+    {
+      body_force->set_time(time);
+      body_force_load =
+        load_of_body_force(space, *body_force, reconstruction ? &*reconstruction : nullptr);
+    }
 
     VelocityVector extrapolated_velocity(const Space &space, double dt) const;
 
@@ -170,15 +200,19 @@ namespace feib
                  Report &report) const;
 
     // What the case says.
-    const double rho, mu, tolerance;
+    const double rho, mu, grad_div, tolerance;
     const unsigned int max_iterations;
-    const bool symmetric, skew;
-    Convection convection;
+    const bool symmetric;
+    const ConvectiveForm convective_form;
+    const Convection convection;
+    const Reconstructed reconstructed;
+    const std::string pointer;
     std::unique_ptr<dealii::Function<dim>> body_force, initial_velocity;
     bool body_force_varies = false;
 
     // What is kept from step to step.
-    const CellOperators<dim> operators;
+    std::optional<Reconstruction<dim>> reconstruction;
+    CellOperators<dim> operators; // with the reconstruction when all is tested with it
     unsigned int revision = 0;
     double factor_dt      = 0;
     std::vector<LevelMatrices> levels;
@@ -198,15 +232,21 @@ namespace feib
   NavierStokes<dim>::NavierStokes(const Parameters &parameters)
     : rho(parameters.number("density"))
     , mu(parameters.number("viscosity"))
+    , grad_div(parameters.number("grad_div"))
     , tolerance(parameters.number("tolerance"))
     , max_iterations(parameters.integer("max_iterations"))
     , symmetric(parameters.string("viscous_form") == "symmetric")
-    , skew(parameters.string("convective_form") == "skew_symmetric")
+    , convective_form(convective_form_of(parameters.string("convective_form")))
+    , convection(convection_of(parameters.string("convection")))
+    , reconstructed(reconstructed_of(parameters.string("reconstruction")))
+    , pointer(parameters.pointer())
   {
-    const std::string name = parameters.string("convection");
-    convection             = name == "none"       ? Convection::none
-                             : name == "explicit" ? Convection::explicit_extrapolation
-                                                  : Convection::implicit;
+    if (reconstructed == Reconstructed::all && convection != Convection::none &&
+        convective_form == ConvectiveForm::skew_symmetric)
+      parameters.fail("reconstruction",
+                      "\"all\" tests convection with the reconstruction, which has no "
+                      "skew-symmetric form: set convective_form to \"convective\" or "
+                      "\"rotational\", or convection to \"none\"");
     if (parameters.has("body_force"))
       {
         body_force = parse_expressions<dim>(parameters, "body_force", dim, Variables::space_time);
@@ -222,6 +262,23 @@ namespace feib
   void
   NavierStokes<dim>::initialize(Space &space)
   {
+    const Domain<dim> &box = space.domain();
+    if (convection != Convection::none && convective_form == ConvectiveForm::rotational)
+      for (const auto &face : box.faces)
+        if (face.condition == BoundaryCondition::outflow)
+          throw Error(pointer + "/convective_form",
+                      "\"rotational\" cannot be used with a face of condition outflow, where it "
+                      "would set the total pressure p + rho |u|^2/2 to zero: use "
+                      "\"skew_symmetric\" or \"convective\"");
+    if (reconstructed != Reconstructed::none)
+      {
+        dealii::Tensor<1, dim> size;
+        for (unsigned int a = 0; a < dim; ++a)
+          size[a] = (box.upper[a] - box.lower[a]) / box.cells[a];
+        reconstruction.emplace(size); // the same for the cells of all levels
+        if (reconstructed == Reconstructed::all)
+          operators = CellOperators<dim>(&*reconstruction);
+      }
     space.set_time(0.);
     space.velocity = 0.;
     if (initial_velocity)
@@ -256,6 +313,8 @@ namespace feib
   void
   NavierStokes<dim>::project(Space &space)
   {
+    // Without the reconstruction, as |R v| is no norm: on uniform meshes some v has R v = 0.
+    const CellOperators<dim> plain;
     levels           = level_matrices(space, rho);
     VelocityVector r = space.make_velocity(), du = space.make_velocity();
     PressureVector g = space.make_pressure(), multiplier = space.make_pressure();
@@ -267,9 +326,11 @@ namespace feib
       space,
       [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
         const LevelMatrices &local = levels[space.cells()[c].level];
+        const std::vector<double> mass =
+          plain.velocity_matrix(space.cells()[c].size, rho, 0., symmetric);
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
-            matrix(i, j) = local.mass[i * n_u + j];
+            matrix(i, j) = mass[i * n_u + j];
         for (unsigned int k = 0; k < n_p; ++k)
           for (unsigned int j = 0; j < n_u; ++j)
             matrix(n_u + k, j) = matrix(j, n_u + k) = -local.divergence[k * n_u + j];
@@ -296,9 +357,10 @@ namespace feib
         LevelMatrices &matrices = result[cell.level];
         if (matrices.velocity.empty())
           {
-            matrices.velocity   = operators.velocity_matrix(cell.size, alpha, mu, symmetric);
+            matrices.velocity =
+              operators.velocity_matrix(cell.size, alpha, mu, symmetric, grad_div);
             matrices.mass       = operators.velocity_matrix(cell.size, rho, 0., symmetric);
-            matrices.viscous    = operators.velocity_matrix(cell.size, 0., mu, symmetric);
+            matrices.viscous    = operators.velocity_matrix(cell.size, 0., mu, symmetric, grad_div);
             matrices.divergence = operators.divergence_matrix(cell.size);
           }
       }
@@ -316,7 +378,7 @@ namespace feib
       return;
     levels = level_matrices(space, rho / dt);
     if (revision != space.revision() && body_force && !body_force_varies)
-      body_force_load = body_force_vector(space, 0.);
+      assemble_body_force(space, 0.);
     if (revision != space.revision())
       find_outflow_faces(space);
     revision               = space.revision();
@@ -365,12 +427,11 @@ namespace feib
             double local_w[n_u];
             for (unsigned int i = 0; i < n_u; ++i)
               local_w[i] = w->local_element(space.velocity_dofs(c)[i]);
-            const std::vector<double> convective =
-              operators.convection_matrix(cell.size, local_w, rho, skew, outflow_faces[c]);
-            for (unsigned int a = 0; a < dim; ++a)
-              for (unsigned int i = 0; i < n; ++i)
-                for (unsigned int j = 0; j < n; ++j)
-                  matrix(a * n + i, a * n + j) += convective[i * n + j];
+            const std::vector<double> convective = operators.convection_matrix(
+              cell.size, local_w, rho, convective_form, outflow_faces[c]);
+            for (unsigned int i = 0; i < n_u; ++i)
+              for (unsigned int j = 0; j < n_u; ++j)
+                matrix(i, j) += convective[i * n_u + j];
           }
         for (unsigned int k = 0; k < n_p; ++k)
           for (unsigned int j = 0; j < n_u; ++j)
@@ -383,36 +444,6 @@ namespace feib
     iterations             = 0;
     last_uses              = uses;
     uses                   = 0;
-  }
-
-
-  template <int dim>
-  VelocityVector
-  NavierStokes<dim>::body_force_vector(const Space &space, const double time) const
-  {
-    VelocityVector result = space.make_velocity();
-    body_force->set_time(time);
-    std::vector<dealii::Point<dim>> points(operators.points.size());
-    std::vector<dealii::Vector<double>> values(points.size(), dealii::Vector<double>(dim));
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const auto &cell = space.cells()[c];
-        double det       = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          det *= cell.size[a];
-        for (unsigned int q = 0; q < points.size(); ++q)
-          for (unsigned int a = 0; a < dim; ++a)
-            points[q][a] = cell.lower[a] + cell.size[a] * operators.points[q][a];
-        body_force->vector_value_list(points, values);
-        const unsigned int *dofs = space.velocity_dofs(c);
-        for (unsigned int q = 0; q < points.size(); ++q)
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int i = 0; i < n; ++i)
-              result.local_element(dofs[a * n + i]) +=
-                det * operators.weights[q] * values[q][a] * operators.phi[q][i];
-      }
-    result.compress(dealii::VectorOperation::add);
-    return result;
   }
 
 
@@ -448,8 +479,13 @@ namespace feib
             local_u[i] = u.local_element(dofs[i]);
             local[i]   = 0;
           }
-        operators.add_convection(
-          space.cells()[c].size, local_w, local_u, factor * rho, skew, local, outflow_faces[c]);
+        operators.add_convection(space.cells()[c].size,
+                                 local_w,
+                                 local_u,
+                                 factor * rho,
+                                 convective_form,
+                                 local,
+                                 outflow_faces[c]);
         for (unsigned int i = 0; i < n_u; ++i)
           result.local_element(dofs[i]) += local[i];
       }
@@ -684,18 +720,15 @@ namespace feib
       {
         const std::vector<double> &mass = levels[space.cells()[c].level].mass;
         const unsigned int *dofs        = space.velocity_dofs(c);
-        double local[n];
-        for (unsigned int a = 0; a < dim; ++a)
+        double local[n_u];
+        for (unsigned int j = 0; j < n_u; ++j)
+          local[j] = space.old_velocity.local_element(dofs[j]) / step.dt;
+        for (unsigned int i = 0; i < n_u; ++i)
           {
-            for (unsigned int j = 0; j < n; ++j)
-              local[j] = space.old_velocity.local_element(dofs[a * n + j]) / step.dt;
-            for (unsigned int i = 0; i < n; ++i)
-              {
-                double sum = 0;
-                for (unsigned int j = 0; j < n; ++j)
-                  sum += mass[i * n_u + j] * local[j];
-                fixed.local_element(dofs[a * n + i]) += sum;
-              }
+            double sum = 0;
+            for (unsigned int j = 0; j < n_u; ++j)
+              sum += mass[i * n_u + j] * local[j];
+            fixed.local_element(dofs[i]) += sum;
           }
       }
     fixed.compress(dealii::VectorOperation::add);
@@ -711,7 +744,7 @@ namespace feib
     if (body_force)
       {
         if (body_force_varies)
-          body_force_load = body_force_vector(space, step.time);
+          assemble_body_force(space, step.time);
         fixed += body_force_load;
       }
     return fixed;
@@ -783,8 +816,8 @@ namespace feib
             u[i]  = space.velocity.local_element(space.velocity_dofs(c)[i]);
             du[i] = u[i] - space.old_velocity.local_element(space.velocity_dofs(c)[i]);
           }
-        dissipation += quadratic_form(local.viscous, u);
-        increment += .5 * quadratic_form(local.mass, du);
+        dissipation += CellOperators<dim>::quadratic_form(local.viscous, u);
+        increment += .5 * CellOperators<dim>::quadratic_form(local.mass, du);
       }
     report.dissipation      = dealii::Utilities::MPI::sum(dissipation, space.communicator());
     report.increment_energy = dealii::Utilities::MPI::sum(increment, space.communicator());
@@ -892,83 +925,6 @@ namespace feib
       }
     account(space, present, explicit_convection, report);
     return report;
-  }
-
-
-  template <int dim>
-  typename NavierStokes<dim>::Balance
-  NavierStokes<dim>::balance(const Space &space) const
-  {
-    std::vector<std::vector<double>> masses; // rho M of each level
-    Balance result;
-    double u[n_u];
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const auto &cell = space.cells()[c];
-        if (cell.level >= masses.size())
-          masses.resize(cell.level + 1);
-        if (masses[cell.level].empty())
-          masses[cell.level] = operators.velocity_matrix(cell.size, rho, 0., symmetric);
-        for (unsigned int i = 0; i < n_u; ++i)
-          u[i] = space.velocity.local_element(space.velocity_dofs(c)[i]);
-        result.kinetic_energy += .5 * quadratic_form(masses[cell.level], u);
-
-        double det = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          det *= cell.size[a];
-        for (unsigned int q = 0; q < CellOperators<dim>::n_q; ++q)
-          {
-            double divergence = 0;
-            for (unsigned int a = 0; a < dim; ++a)
-              {
-                double derivative = 0;
-                for (unsigned int i = 0; i < n; ++i)
-                  derivative += operators.dphi[a][q][i] * u[a * n + i];
-                divergence += derivative / cell.size[a];
-              }
-            result.divergence += det * operators.weights[q] * divergence * divergence;
-          }
-        double mean[dim] = {}, moment[dim][dim] = {}; // int u_a, int x_b u_a
-        for (unsigned int a = 0; a < dim; ++a)
-          {
-            for (unsigned int i = 0; i < n; ++i)
-              {
-                mean[a] += det * operators.mean[i] * u[a * n + i];
-                for (unsigned int b = 0; b < dim; ++b)
-                  moment[a][b] +=
-                    det *
-                    (cell.lower[b] * operators.mean[i] + cell.size[b] * operators.moment[b][i]) *
-                    u[a * n + i];
-              }
-            result.momentum[a] += rho * mean[a];
-          }
-        result.angular_momentum[2] += rho * (moment[1][0] - moment[0][1]);
-        if constexpr (dim == 3)
-          {
-            result.angular_momentum[0] += rho * (moment[2][1] - moment[1][2]);
-            result.angular_momentum[1] += rho * (moment[0][2] - moment[2][0]);
-          }
-        for (unsigned int i = 0; i < n; ++i)
-          {
-            double square = 0, rate = 0;
-            for (unsigned int a = 0; a < dim; ++a)
-              {
-                square += u[a * n + i] * u[a * n + i];
-                rate += std::abs(u[a * n + i]) / cell.size[a];
-              }
-            result.largest_velocity = std::max(result.largest_velocity, square);
-            result.cfl_rate         = std::max(result.cfl_rate, rate);
-          }
-      }
-    const MPI_Comm communicator = space.communicator();
-    result.kinetic_energy       = dealii::Utilities::MPI::sum(result.kinetic_energy, communicator);
-    result.divergence = std::sqrt(dealii::Utilities::MPI::sum(result.divergence, communicator));
-    result.momentum   = dealii::Utilities::MPI::sum(result.momentum, communicator);
-    result.angular_momentum = dealii::Utilities::MPI::sum(result.angular_momentum, communicator);
-    result.largest_velocity =
-      std::sqrt(dealii::Utilities::MPI::max(result.largest_velocity, communicator));
-    result.cfl_rate = dealii::Utilities::MPI::max(result.cfl_rate, communicator);
-    return result;
   }
 } // namespace feib
 
