@@ -195,6 +195,34 @@ namespace feib
   }
 
 
+  namespace
+  {
+    /// A number that tells meshes apart, the same on all ranks and for any division between them.
+    /// The checksum of p4est is not enough: meshes that differ by symmetric changes share it.
+    template <int dim>
+    std::uint64_t
+    fingerprint(const dealii::parallel::distributed::Triangulation<dim> &mesh)
+    {
+      std::uint64_t sum = 0;
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned())
+          {
+            std::uint64_t hash = 0;
+            for (const unsigned int part : cell->id().template to_binary<dim>())
+              {
+                // The finaliser of splitmix64.
+                hash += part + 0x9e3779b97f4a7c15;
+                hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9;
+                hash = (hash ^ (hash >> 27)) * 0x94d049bb133111eb;
+                hash ^= hash >> 31;
+              }
+            sum += hash;
+          }
+      return dealii::Utilities::MPI::sum(sum, mesh.get_communicator());
+    }
+  } // namespace
+
+
   template <int dim>
   bool
   EulerianSpace<dim>::adapt(const Mark &mark, const bool repeat)
@@ -229,11 +257,9 @@ namespace feib
           std::vector<const VelocityVector *>{&velocity, &old_velocity, &older_velocity});
         pressure_transfer.prepare_for_coarsening_and_refinement(pressure);
 
-        const auto before = mesh.get_checksum();
+        const std::uint64_t before = fingerprint(mesh);
         mesh.execute_coarsening_and_refinement();
-        // The checksum is rank 0's; the others have none.
-        const int differs   = mesh.get_checksum() != before;
-        const bool new_mesh = dealii::Utilities::MPI::max(differs, mpi_communicator) != 0;
+        const bool new_mesh = fingerprint(mesh) != before;
         changed             = changed || new_mesh;
 
         distribute_dofs();

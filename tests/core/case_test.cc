@@ -165,8 +165,8 @@ TEST(Case, ADefaultMayNeedAPluginThatIsNotThere)
   catch (const Error &error)
     {
       const std::string text = Case::format(error.issues(), small_case, "case.json");
-      EXPECT_NE(text.find("case.json:1:1: error: /coupling/variational: no plugin provides the "
-                          "coupling_operator \"variational\""),
+      EXPECT_NE(text.find("case.json:1:1: error: /coupling/divergence_free: no plugin provides the "
+                          "coupling_operator \"divergence_free\""),
                 std::string::npos)
         << text;
     }

@@ -203,7 +203,7 @@ namespace feib::testing
     registry.add<ConstitutiveLaw, Scaled>("scaled", scaled_schema);
     registry.add<fluid_solver_interface, fluid_solver_component>("stokes", stokes_schema);
     registry.add<structure_model_interface, structure_model_component>("body", body_schema);
-    registry.add<coupling_operator_interface, coupling_operator_component>("variational",
+    registry.add<coupling_operator_interface, coupling_operator_component>("divergence_free",
                                                                            empty_schema);
     registry.add<time_integrator_interface, time_integrator_component>("fe_be", empty_schema);
     registry.add<refinement_strategy_interface, refinement_strategy_component>("uniform",

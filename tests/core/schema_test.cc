@@ -232,17 +232,17 @@ TEST(Schema, NamesTypesAndRanges)
 
 TEST(Schema, NamesComponentsOfASlot)
 {
-  EXPECT_EQ(
-    explained("/coupling", {{"variatonal", Json::object()}}),
-    "/coupling/variatonal: no plugin provides the coupling_operator \"variatonal\"; did you mean "
-    "\"variational\"?\n");
+  EXPECT_EQ(explained("/coupling", {{"divergence_fre", Json::object()}}),
+            "/coupling/divergence_fre: no plugin provides the coupling_operator "
+            "\"divergence_fre\"; did you mean "
+            "\"divergence_free\"?\n");
   EXPECT_EQ(explained("/coupling", {{"magic", Json::object()}}),
             "/coupling/magic: no plugin provides the coupling_operator \"magic\"; available are "
-            "\"variational\"\n");
+            "\"divergence_free\"\n");
   EXPECT_EQ(
-    explained("/coupling", "variational"),
+    explained("/coupling", "divergence_free"),
     "/coupling: must name a coupling_operator as its key, {\"name\": {...}}, found the string "
-    "\"variational\"; available are \"variational\"\n");
+    "\"divergence_free\"; available are \"divergence_free\"\n");
   EXPECT_EQ(explained("/output",
                       Json::array({{{"vtu", Json::object()}, {"ledger_csv", Json::object()}}})),
             "/output/0: must name exactly one output_writer, found 2: \"ledger_csv\", \"vtu\"; "
@@ -280,7 +280,7 @@ TEST(Schema, FillsDefaultsEverywhere)
   const Json filled                         = Json::parse(cases().with_defaults(document.dump()));
 
   EXPECT_EQ(filled["title"], "");
-  EXPECT_EQ(filled["coupling"], Json::parse(R"({"variational": {}})"));
+  EXPECT_EQ(filled["coupling"], Json::parse(R"({"divergence_free": {}})"));
   EXPECT_EQ(filled["time"]["integrator"], Json::parse(R"({"fe_be": {}})"));
   EXPECT_EQ(filled["domain"]["boundary"], Json::object());
   EXPECT_FALSE(filled["domain"].contains("lower"));

@@ -69,7 +69,7 @@ TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
   const std::size_t forecast = result.output.find("warning: " + advice);
   ASSERT_NE(forecast, std::string::npos) << result.output;
   EXPECT_TRUE(holds(result.output.substr(forecast),
-                    " of fe_be for structure \"membrane\"; use lagged_be or dt <= "));
+                    " of midpoint for structure \"membrane\"; use lagged_midpoint or dt <= "));
   const std::size_t stop = result.output.find("error: the energy has grown by ");
   ASSERT_NE(stop, std::string::npos) << result.output;
   EXPECT_LT(forecast, stop);
@@ -79,7 +79,7 @@ TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
       EXPECT_TRUE(std::isfinite(value)) << column;
 
   // What it says it would take, it takes: the step of the advice runs.
-  const std::string words = "use lagged_be or dt <= ";
+  const std::string words = "use lagged_midpoint or dt <= ";
   const double step = std::stod(result.output.substr(result.output.find(words) + words.size()));
   EXPECT_GT(step, 1e-4);
   const Result stable =
