@@ -32,9 +32,9 @@ namespace
                 "\"law\": {\"anisotropic_linear\": {\"stiffness\": 1}}}"
             : "{\"name\": \"sphere\", \"mesh\": {\"sphere\": {\"centre\": [0.5, 0.5, 0.5], "
               "\"radius\": 0.3, \"refinements\": " +
-                std::to_string(n < 12   ? 2
-                               : n < 24 ? 3
-                                        : 4) +
+                std::to_string(n < 12   ? 3
+                               : n < 24 ? 4
+                                        : 5) +
                 "}}, \"law\": {\"neo_hookean\": {\"shear_modulus\": 1}}}"))
       , coupling(feib::testing::registry().create<CouplingOperator<dim>>(coupling_name))
       , nodes(LagrangianPoints::nodes(model->mesh().n_nodes()))

@@ -82,10 +82,30 @@ namespace feib
       unsigned int sheet, cell; // cell: index in touched_cells
       double values[dim][n_modes];
       double bubbles[dim][dim][n_modes];
+    };
 
+    /// Sums up the moments of a piece, a few points at a time, as a matrix product.
+    class Moments
+    {
+    public:
       void add(const dealii::Point<dim> &unit,
                const std::array<double, dim> &barycentric,
                double weight);
+
+      /// Gives the sums to a piece and starts anew.
+      void move_to(Piece &piece);
+
+    private:
+      static constexpr unsigned int batch  = 6;
+      static constexpr unsigned int n_rows = dim * (dim + 1);
+      static constexpr unsigned int width  = (n_modes + 7) / 8 * 8; // of whole vectors
+
+      void flush();
+
+      unsigned int n                            = 0; // points that wait
+      alignas(64) double modes[batch][width]    = {};
+      alignas(64) double factors[batch][n_rows] = {};
+      alignas(64) double sums[n_rows][width]    = {};
     };
 
     static std::vector<Sheet> find_sheets(const LagrangianMesh<dim> &mesh);
@@ -114,16 +134,17 @@ namespace feib
 
   namespace
   {
-    /// A rule of degree 2 n - 1 on the unit segment or triangle, the weights of sum 1.
+    /// A rule of degree 2 n - 1 (or, for a triangle, 2 n when @p even) on the unit segment or
+    /// triangle, the weights of sum 1.
     template <int m>
     dealii::Quadrature<m>
-    simplex_rule(const unsigned int n)
+    simplex_rule(const unsigned int n, const bool even = false)
     {
       if constexpr (m == 1)
         return dealii::QGauss<1>(n);
       else
         {
-          const dealii::QWitherdenVincentSimplex<2> rule(n);
+          const dealii::QWitherdenVincentSimplex<2> rule(n, !even);
           std::vector<double> weights = rule.get_weights();
           for (double &weight : weights)
             weight *= 2;
@@ -165,7 +186,8 @@ namespace feib
     cut                      = rule == "cut";
     // Along a facet R u, of mixed degree, has total degree 4 in two dimensions and 6 in three.
     quadrature = rule == "vertex" ? vertex_rule<dim - 1>()
-                                  : simplex_rule<dim - 1>(cut ? dim + 1 : block.integer("points"));
+                 : cut            ? simplex_rule<dim - 1>(3, true)
+                                  : simplex_rule<dim - 1>(block.integer("points"));
   }
 
 
@@ -283,25 +305,56 @@ namespace feib
 
   template <int dim>
   void
-  DivergenceFree<dim>::Piece::add(const dealii::Point<dim> &unit,
-                                  const std::array<double, dim> &barycentric,
-                                  const double weight)
+  DivergenceFree<dim>::Moments::add(const dealii::Point<dim> &unit,
+                                    const std::array<double, dim> &barycentric,
+                                    const double weight)
   {
     double L[n_modes];
     dealii::Tensor<1, dim> bubble;
     Reconstruction<dim>::modes(unit, L, bubble);
+    std::copy_n(L, n_modes, modes[n]);
     for (unsigned int v = 0; v < dim; ++v)
       {
-        const double factor = weight * barycentric[v];
-        for (unsigned int m = 0; m < n_modes; ++m)
-          values[v][m] += factor * L[m];
+        factors[n][v] = weight * barycentric[v];
         for (unsigned int i = 0; i < dim; ++i)
-          {
-            const double scaled = factor * bubble[i];
-            for (unsigned int m = 0; m < n_modes; ++m)
-              bubbles[v][i][m] += scaled * L[m];
-          }
+          factors[n][dim * (v + 1) + i] = factors[n][v] * bubble[i];
       }
+    if (++n == batch)
+      flush();
+  }
+
+
+  template <int dim>
+  void
+  DivergenceFree<dim>::Moments::flush()
+  {
+    for (; n < batch; ++n)
+      std::fill_n(factors[n], n_rows, 0.);
+    for (unsigned int r = 0; r < n_rows; ++r)
+      for (unsigned int m = 0; m < width; ++m)
+        {
+          double sum = sums[r][m];
+          for (unsigned int q = 0; q < batch; ++q)
+            sum += factors[q][r] * modes[q][m];
+          sums[r][m] = sum;
+        }
+    n = 0;
+  }
+
+
+  template <int dim>
+  void
+  DivergenceFree<dim>::Moments::move_to(Piece &piece)
+  {
+    if (n > 0)
+      flush();
+    for (unsigned int v = 0; v < dim; ++v)
+      {
+        std::copy_n(sums[v], n_modes, piece.values[v]);
+        for (unsigned int i = 0; i < dim; ++i)
+          std::copy_n(sums[dim * (v + 1) + i], n_modes, piece.bubbles[v][i]);
+      }
+    std::fill_n(&sums[0][0], n_rows * width, 0.);
   }
 
 
@@ -324,6 +377,7 @@ namespace feib
       return pieces.back();
     };
 
+    Moments moments;
     std::array<dealii::Point<dim>, dim> corners;
     for (unsigned int k = 0; k < sheets.size(); ++k)
       {
@@ -331,7 +385,6 @@ namespace feib
           corners[v] = X[sheets[k].nodes[v]];
         if (cut)
           space.forest().cut(corners, [&](const unsigned int cell, const auto &polygon) {
-            Piece &piece = add_piece(k, cell);
             // A fan of simplices about the first corner.
             for (unsigned int s = 1; s + dim <= polygon.size() + 1; ++s)
               {
@@ -355,9 +408,10 @@ namespace feib
                         for (unsigned int w = 0; w < dim; ++w)
                           lambda[w] += t * (corner(v).barycentric[w] - corner(0).barycentric[w]);
                       }
-                    piece.add(unit, lambda, part * quadrature.weight(q));
+                    moments.add(unit, lambda, part * quadrature.weight(q));
                   }
               }
+            moments.move_to(add_piece(k, cell));
           });
         else
           for (unsigned int q = 0; q < quadrature.size(); ++q)
@@ -372,8 +426,10 @@ namespace feib
               for (unsigned int v = 0; v < dim; ++v)
                 x += lambda[v] * corners[v];
               const unsigned int cell = space.forest().locate(x, unit);
-              if (cell != CartesianForest<dim>::not_here)
-                add_piece(k, cell).add(unit, lambda, quadrature.weight(q));
+              if (cell == CartesianForest<dim>::not_here)
+                continue;
+              moments.add(unit, lambda, quadrature.weight(q));
+              moments.move_to(add_piece(k, cell));
             }
       }
     if (!reconstruct)

@@ -249,8 +249,9 @@ TEST(DivergenceFree, LeakIsLinearInTheDivergence)
     {
       const double rate =
         volume_rate("divergence_free", Setting<2>(Shape::ragged, false, true), disturbance);
-      std::cout << "relative disturbance " << disturbance << ": relative leak " << rate << std::endl;
-      EXPECT_LT(rate, disturbance);
+      std::cout << "relative disturbance " << disturbance << ": relative leak " << rate
+                << std::endl;
+      EXPECT_LT(rate, 10 * disturbance);
       EXPECT_GT(rate, disturbance / 1000);
     }
 }
