@@ -222,7 +222,7 @@ namespace feib
           const unsigned int n_nodes          = structure.model->mesh().n_nodes();
           structure.nodes                     = LagrangianPoints::nodes(n_nodes);
           const LagrangianPoints &load_points = structure.model->load_points();
-          if (load_points.nodes_per_point != 1 || load_points.size() != n_nodes)
+          if (!load_points.are_nodes(n_nodes))
             structure.loading =
               case_parameters.child("coupling").template create<CouplingOperator<dim>>();
 

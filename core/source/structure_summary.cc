@@ -28,14 +28,15 @@ namespace feib
       double squares = 0, weights = 0, largest = 0;
       for (const auto &element : model.mesh().elements())
         {
-          const double change =
-            determinant_of<dim>(element, model.positions) / determinant_of<dim>(element, initial) -
-            1;
+          const double before = determinant_of<dim>(element, initial);
+          if (before == 0) // collapsed from the start: no relative change
+            continue;
+          const double change = determinant_of<dim>(element, model.positions) / before - 1;
           squares += element.measure * change * change;
           weights += element.measure;
           largest = std::max(largest, std::abs(change));
         }
-      return {{"rms", std::sqrt(squares / weights)}, {"largest", largest}};
+      return {{"rms", weights > 0 ? std::sqrt(squares / weights) : 0.}, {"largest", largest}};
     }
   } // namespace
 

@@ -42,6 +42,7 @@ namespace
     unsigned int column = 0;
     while (std::getline(names, cell, ',') && cell != "largest_velocity")
       ++column;
+    EXPECT_EQ(cell, "largest_velocity");
     double largest = 0;
     while (std::getline(ledger, line))
       {

@@ -31,6 +31,18 @@ namespace feib
       return points;
     }
 
+    /// Whether these are the nodes of a structure of @p n_nodes nodes, in order.
+    bool
+    are_nodes(const unsigned int n_nodes) const
+    {
+      if (nodes_per_point != 1 || size() != n_nodes)
+        return false;
+      for (unsigned int q = 0; q < n_nodes; ++q)
+        if (node[q] != q || weight[q] != 1.)
+          return false;
+      return true;
+    }
+
     template <int dim>
     Positions<dim>
     positions(const Positions<dim> &X) const

@@ -9,6 +9,8 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -92,7 +94,7 @@ namespace feib
                const std::array<double, dim> &barycentric,
                double weight);
 
-      /// Gives the sums to a piece and starts anew.
+      /// Adds the sums to a piece and starts anew.
       void move_to(Piece &piece);
 
     private:
@@ -212,8 +214,14 @@ namespace feib
         }
 
     sheets.clear();
-    if (points.nodes_per_point == 1)
+    if (points.are_nodes(mesh.n_nodes()))
       sheets = find_sheets(mesh);
+    for (const Sheet &sheet : sheets)
+      for (unsigned int a = 0; a < dim; ++a)
+        for (const unsigned int i : sheet.nodes)
+          if (std::abs(X[i][a] - X[sheet.nodes[0]][a]) >
+              space.domain().upper[a] - space.domain().lower[a])
+            throw RunFailure("a structure is torn: one of its elements is longer than the box");
     set_flux_maps(X);
     cut_sheets(space, X);
 
@@ -350,9 +358,11 @@ namespace feib
       flush();
     for (unsigned int v = 0; v < dim; ++v)
       {
-        std::copy_n(sums[v], n_modes, piece.values[v]);
+        for (unsigned int m = 0; m < n_modes; ++m)
+          piece.values[v][m] += sums[v][m];
         for (unsigned int i = 0; i < dim; ++i)
-          std::copy_n(sums[dim * (v + 1) + i], n_modes, piece.bubbles[v][i]);
+          for (unsigned int m = 0; m < n_modes; ++m)
+            piece.bubbles[v][i][m] += sums[dim * (v + 1) + i][m];
       }
     std::fill_n(&sums[0][0], n_rows * width, 0.);
   }
@@ -365,12 +375,15 @@ namespace feib
     pieces.clear();
     touched_cells.clear();
     std::vector<unsigned int> number(space.cells().size(), CartesianForest<dim>::not_here);
-    const auto add_piece = [&](const unsigned int sheet, const unsigned int cell) -> Piece & {
+    const auto piece_of = [&](const unsigned int sheet, const unsigned int cell) -> Piece & {
       if (number[cell] == CartesianForest<dim>::not_here)
         {
           number[cell] = touched_cells.size();
           touched_cells.push_back(cell);
         }
+      for (unsigned int p = pieces.size(); p-- > 0 && pieces[p].sheet == sheet;)
+        if (pieces[p].cell == number[cell])
+          return pieces[p];
       pieces.emplace_back();
       pieces.back().sheet = sheet;
       pieces.back().cell  = number[cell];
@@ -411,7 +424,7 @@ namespace feib
                     moments.add(unit, lambda, part * quadrature.weight(q));
                   }
               }
-            moments.move_to(add_piece(k, cell));
+            moments.move_to(piece_of(k, cell));
           });
         else
           for (unsigned int q = 0; q < quadrature.size(); ++q)
@@ -425,11 +438,15 @@ namespace feib
               dealii::Point<dim> x, unit;
               for (unsigned int v = 0; v < dim; ++v)
                 x += lambda[v] * corners[v];
+              // Round-off must not carry it over a wall.
+              for (unsigned int a = 0; a < dim; ++a)
+                if (!space.domain().periodic(a))
+                  x[a] = std::clamp(x[a], space.domain().lower[a], space.domain().upper[a]);
               const unsigned int cell = space.forest().locate(x, unit);
               if (cell == CartesianForest<dim>::not_here)
                 continue;
               moments.add(unit, lambda, quadrature.weight(q));
-              moments.move_to(add_piece(k, cell));
+              moments.move_to(piece_of(k, cell));
             }
       }
     if (!reconstruct)

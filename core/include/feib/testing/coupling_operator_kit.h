@@ -12,13 +12,15 @@
 namespace feib::testing
 {
   /// Every coupling: (J^T f) . v = f . (J v) to round-off, on uniform and refined meshes, periodic
-  /// or not, before and after condensing, for structures of dimension m = dim and dim-1.
+  /// or not, before and after condensing, for structures of dimension m = dim and dim-1. @p
+  /// parameters: those of the component, JSON.
   template <int dim>
   void
   check_duality(const std::string &name,
                 const unsigned int m,
                 const bool refined,
-                const bool periodic)
+                const bool periodic,
+                const std::string &parameters = "{}")
   {
     SCOPED_TRACE("dim " + std::to_string(dim) + ", m " + std::to_string(m) +
                  (refined ? ", refined" : "") + (periodic ? ", periodic" : ""));
@@ -41,7 +43,7 @@ namespace feib::testing
           X[i][2] = .3 + .4 * s[2] + .1 * std::cos(3 * s[0]);
       }
 
-    const auto coupling = registry().create<CouplingOperator<dim>>(name);
+    const auto coupling = registry().create<CouplingOperator<dim>>(name, parameters);
     coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(mesh.n_nodes()));
 
     std::mt19937 random(1);
