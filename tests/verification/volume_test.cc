@@ -237,3 +237,24 @@ TEST(Volume, AnEllipsoidKeepsItsVolume)
   EXPECT_LT(leak(kept), 1e-13);
   EXPECT_GT(measure_change(lost), 1e-2);
 }
+
+/// Two curves less than a cell apart, each with its own coupling.
+TEST(Volume, SeveralStructuresInOneCell)
+{
+  const auto curve = [](const std::string &name, const std::string &radius) {
+    return "{\"membrane\": {\"name\": \"" + name +
+           "\", \"mesh\": {\"closed_curve\": {\"length\": 1, \"elements\": 64}}, "
+           "\"initial_position\": [\"0.5+1.2*" +
+           radius + "*cos(2*pi*s1)\", \"0.5+" + radius +
+           "*sin(2*pi*s1)\"], \"law\": {\"anisotropic_linear\": {\"stiffness\": 0.1}}}}";
+  };
+  const Json summary =
+    summary_of(membrane,
+               {{"/domain/cells", "[16,16]"},
+                {"/structures", "[" + curve("a", "0.2") + "," + curve("b", "0.22") + "]"},
+                {"/time/step", "0.001"},
+                {"/time/end", "0.1"}});
+  for (const Json &structure : summary["structures"])
+    EXPECT_LT(std::abs(structure["relative_leak"].get<double>()), 1e-13) << structure;
+  EXPECT_LT(summary["energy"]["largest_closure"], 1e-12);
+}
