@@ -219,9 +219,9 @@ TEST(Volume, Solids)
   EXPECT_GT(element_change(standard), .1);
   EXPECT_LT(measure_change(uniform), 1e-7);
   EXPECT_LT(element_change(uniform), .02);
-  EXPECT_LT(measure_change(mixed), 5e-7);
+  EXPECT_LT(measure_change(mixed), 2e-7);
   EXPECT_LT(element_change(interface), element_change(mixed) / 5);
-  EXPECT_LT(measure_change(best), 5e-7);
+  EXPECT_LT(measure_change(best), 2e-7);
   EXPECT_LT(element_change(best), .02);
 }
 
