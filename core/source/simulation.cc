@@ -269,6 +269,10 @@ namespace feib
       const double before = fluid->balance(*space).kinetic_energy;
       if (!adapt())
         return;
+      {
+        const Timers::Section section(timers, "refinement");
+        fluid->project(*space);
+      }
       // Moving the velocity to another mesh is no work of the scheme.
       const double gained = fluid->balance(*space).kinetic_energy - before;
       totals.energy += gained;
