@@ -176,18 +176,54 @@ namespace feib
           pressure[k] = feib::gather(p.begin(), batch.pressures + k * lanes);
         velocity_form(batch, rate, 1., local, product);
         const double measure = volume(batch.size);
-        const auto direction = [&](const auto a) {
+        for_directions([&](const auto a) {
           const double scale = measure / batch.size[a.value];
           apply_gradient<dim, a.value>(scale, pressure, force);
-          add_divergence<dim, a.value>(scale, local + a.value * n, divergence);
+          feib::add_divergence<dim, a.value>(scale, local + a.value * n, divergence);
           for (unsigned int i = 0; i < n; ++i)
             product[a.value * n + i] = force[i] - product[a.value * n + i];
-        };
-        direction(std::integral_constant<unsigned int, 0>());
-        direction(std::integral_constant<unsigned int, 1>());
-        if constexpr (dim == 3)
-          direction(std::integral_constant<unsigned int, 2>());
+        });
         scatter_add(product, batch, r);
+        for (unsigned int k = 0; k < n_p; ++k)
+          feib::scatter_add(divergence[k], batch.pressures + k * lanes, batch.filled, g.begin());
+      }
+  }
+
+
+  template <int dim>
+  void
+  FluidOperators<dim>::add_gradient(const PressureVector &p, VelocityVector &r) const
+  {
+    for (const CellBatch &batch : batches)
+      {
+        const double measure = volume(batch.size);
+        Values pressure[n_p], force[n_u];
+        for (unsigned int k = 0; k < n_p; ++k)
+          pressure[k] = feib::gather(p.begin(), batch.pressures + k * lanes);
+        for_directions([&](const auto a) {
+          apply_gradient<dim, a.value>(measure / batch.size[a.value],
+                                       pressure,
+                                       force + a.value * n);
+        });
+        scatter_add(force, batch, r);
+      }
+  }
+
+
+  template <int dim>
+  void
+  FluidOperators<dim>::add_divergence(const VelocityVector &u, PressureVector &g) const
+  {
+    for (const CellBatch &batch : batches)
+      {
+        const double measure = volume(batch.size);
+        Values local[n_u], divergence[n_p] = {};
+        gather(u, batch, local);
+        for_directions([&](const auto a) {
+          feib::add_divergence<dim, a.value>(measure / batch.size[a.value],
+                                             local + a.value * n,
+                                             divergence);
+        });
         for (unsigned int k = 0; k < n_p; ++k)
           feib::scatter_add(divergence[k], batch.pressures + k * lanes, batch.filled, g.begin());
       }
@@ -256,6 +292,28 @@ namespace feib
 
 
   template <int dim>
+  double
+  FluidOperators<dim>::cfl_rate(const VelocityVector &u) const
+  {
+    double largest = 0;
+    for (const CellBatch &batch : batches)
+      {
+        Values local[n_u];
+        gather(u, batch, local);
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int l = 0; l < lanes; ++l)
+            {
+              double rate = 0;
+              for (unsigned int a = 0; a < dim; ++a)
+                rate += std::abs(local[a * n + i][l]) / batch.size[a];
+              largest = std::max(largest, rate);
+            }
+      }
+    return dealii::Utilities::MPI::max(largest, communicator);
+  }
+
+
+  template <int dim>
   typename FluidSolver<dim>::Balance
   FluidOperators<dim>::balance(const Space &space) const
   {
@@ -308,14 +366,10 @@ namespace feib
         for (unsigned int i = 0; i < n; ++i)
           for (unsigned int l = 0; l < lanes; ++l)
             {
-              double speed = 0, rate = 0;
+              double speed = 0;
               for (unsigned int a = 0; a < dim; ++a)
-                {
-                  speed += u[a * n + i][l] * u[a * n + i][l];
-                  rate += std::abs(u[a * n + i][l]) / batch.size[a];
-                }
+                speed += u[a * n + i][l] * u[a * n + i][l];
               result.largest_velocity = std::max(result.largest_velocity, speed);
-              result.cfl_rate         = std::max(result.cfl_rate, rate);
             }
       }
     using namespace dealii::Utilities::MPI;
@@ -324,7 +378,7 @@ namespace feib
     result.momentum         = sum(result.momentum, communicator);
     result.angular_momentum = sum(result.angular_momentum, communicator);
     result.largest_velocity = std::sqrt(max(result.largest_velocity, communicator));
-    result.cfl_rate         = max(result.cfl_rate, communicator);
+    result.cfl_rate         = cfl_rate(space.velocity);
     return result;
   }
 

@@ -65,6 +65,10 @@ namespace feib
                          VelocityVector &r,
                          PressureVector &g) const;
 
+    /// r += B^T p and g += B u.
+    void add_gradient(const PressureVector &p, VelocityVector &r) const;
+    void add_divergence(const VelocityVector &u, PressureVector &g) const;
+
     /// r += factor rho b(w; u, v)
     void add_convection(double factor,
                         const VelocityVector &w,
@@ -74,6 +78,9 @@ namespace feib
     /// a(u, u) and rho (u, u), summed over all ranks. Collective.
     double dissipation(const VelocityVector &u) const;
     double square(const VelocityVector &u) const;
+
+    /// The largest sum_a |u_a| / h_a at any node, over all ranks. Collective.
+    double cfl_rate(const VelocityVector &u) const;
 
     /// Integrals over the fluid at the velocity of the space. Collective.
     typename FluidSolver<dim>::Balance balance(const Space &space) const;
@@ -93,6 +100,16 @@ namespace feib
   private:
     using Values                        = Batch<double>::Values;
     static constexpr unsigned int lanes = Batch<double>::lanes;
+
+    template <class Action>
+    static void
+    for_directions(const Action &action)
+    {
+      action(std::integral_constant<unsigned int, 0>());
+      action(std::integral_constant<unsigned int, 1>());
+      if constexpr (dim == 3)
+        action(std::integral_constant<unsigned int, 2>());
+    }
 
     /// Cells of one size, with outflow over the same faces.
     struct CellBatch

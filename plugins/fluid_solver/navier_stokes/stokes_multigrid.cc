@@ -543,6 +543,52 @@ namespace feib
   }
 
 
+  // --- vectors of the space
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::import_velocity(const VelocityVector &from, LevelVector<float> &to) const
+  {
+    from.update_ghost_values();
+    for (unsigned int i = 0; i < space_velocity.size(); ++i)
+      to.begin()[i] = space_velocity[i] == none ? 0. : from.begin()[space_velocity[i]];
+    from.zero_out_ghost_values();
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::export_velocity(const LevelVector<float> &from, VelocityVector &to) const
+  {
+    from.update_ghost_values();
+    to.zero_out_ghost_values();
+    for (unsigned int i = 0; i < level_velocity.size(); ++i)
+      to.begin()[i] = level_velocity[i] == none ? 0. : from.begin()[level_velocity[i]];
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::import_pressure(const PressureVector &from,
+                                        const float factor,
+                                        LevelVector<float> &to) const
+  {
+    for (unsigned int i = 0; i < space_pressure.size(); ++i)
+      to.begin()[i] = space_pressure[i] == none ? 0. : factor * from.begin()[space_pressure[i]];
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::export_pressure(const LevelVector<float> &from, PressureVector &to) const
+  {
+    to.zero_out_ghost_values();
+    for (unsigned int i = 0; i < space_pressure.size(); ++i)
+      if (space_pressure[i] != none)
+        to.begin()[space_pressure[i]] = from.begin()[i];
+  }
+
+
   template <int dim>
   void
   StokesMultigrid<dim>::solve(const VelocityVector &f,
@@ -551,8 +597,7 @@ namespace feib
                               PressureVector &p)
   {
     Level &finest = levels[0];
-    for (unsigned int i = 0; i < space_pressure.size(); ++i)
-      finest.g.begin()[i] = space_pressure[i] == none ? 0. : -g.begin()[space_pressure[i]];
+    import_pressure(g, -1, finest.g);
     // alpha Lp^{-1} g + mu Mp^{-1} g
     if (coefficients.alpha > 0)
       {
@@ -561,25 +606,13 @@ namespace feib
       }
     else
       finest.p = 0;
-    finest.mesh->add_inverse_pressure_mass(coefficients.mu + coefficients.nu + coefficients.gamma,
-                                           finest.g,
-                                           finest.p);
-    p.zero_out_ghost_values();
-    for (unsigned int i = 0; i < space_pressure.size(); ++i)
-      if (space_pressure[i] != none)
-        p.begin()[space_pressure[i]] = finest.p.begin()[i];
+    finest.mesh->add_inverse_pressure_mass(coefficients.mu, finest.g, finest.p);
 
-    finest.mesh->apply_gradient(finest.p, finest.f);
-    f.update_ghost_values();
-    for (unsigned int i = 0; i < space_velocity.size(); ++i)
-      if (space_velocity[i] != none)
-        finest.f.begin()[i] += f.begin()[space_velocity[i]];
-    f.zero_out_ghost_values();
+    finest.mesh->apply_gradient(finest.p, finest.flux);
+    import_velocity(f, finest.f);
+    finest.f += finest.flux;
     velocity_cycle(0);
-    finest.u.update_ghost_values();
-    u.zero_out_ghost_values();
-    for (unsigned int i = 0; i < level_velocity.size(); ++i)
-      u.begin()[i] = level_velocity[i] == none ? 0. : finest.u.begin()[level_velocity[i]];
+    export_velocity(finest.u, u);
 
     // (grad u^T, grad v) and (div u, div v) are the same away from the boundary, and as far as the
     // pressures can tell they add (nu + gamma) Mp^{-1} B u to the pressure.
@@ -587,13 +620,43 @@ namespace feib
       {
         finest.mesh->expand(finest.u);
         finest.mesh->apply_divergence(finest.u, finest.g);
-        finest.mesh->add_inverse_pressure_mass(
-          coefficients.nu + coefficients.gamma, finest.g, finest.p);
+        finest.mesh->add_inverse_pressure_mass(coefficients.nu + coefficients.gamma,
+                                               finest.g,
+                                               finest.p);
       }
-    p.zero_out_ghost_values();
-    for (unsigned int i = 0; i < space_pressure.size(); ++i)
-      if (space_pressure[i] != none)
-        p.begin()[space_pressure[i]] = finest.p.begin()[i];
+    export_pressure(finest.p, p);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::solve_pressure(const PressureVector &g, PressureVector &p)
+  {
+    import_pressure(g, 1, levels[0].g);
+    pressure_cycle(0);
+    export_pressure(levels[0].p, p);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::solve_velocity(const VelocityVector &f, VelocityVector &u)
+  {
+    import_velocity(f, levels[0].f);
+    velocity_cycle(0);
+    export_velocity(levels[0].u, u);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::divide_by_mass(VelocityVector &v)
+  {
+    Level &finest = levels[0];
+    import_velocity(v, finest.u);
+    for (unsigned int i = 0; i < finest.u.locally_owned_size(); ++i)
+      finest.u.begin()[i] *= finest.inverse_mass.begin()[i];
+    export_velocity(finest.u, v);
   }
 
 

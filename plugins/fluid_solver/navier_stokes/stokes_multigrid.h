@@ -31,7 +31,15 @@ namespace feib
     void
     solve(const VelocityVector &f, const PressureVector &g, VelocityVector &u, PressureVector &p);
 
-    /// Unknowns and cells of each level, for the log.
+    /// The parts of it: p ~ Lp^{-1} g and u ~ (alpha M + mu K)^{-1} f by one cycle, in condensed
+    /// vectors of the space. Collective.
+    void solve_pressure(const PressureVector &g, PressureVector &p);
+    void solve_velocity(const VelocityVector &f, VelocityVector &u);
+
+    /// v = Ml^{-1} v. Collective.
+    void divide_by_mass(VelocityVector &v);
+
+    /// Levels there are, for the log.
     std::string describe() const;
 
   private:
@@ -62,6 +70,12 @@ namespace feib
     void build_levels(const EulerianSpace<dim> &space);
 
     void map_unknowns(const EulerianSpace<dim> &space);
+
+    // Between vectors of the space and u, f, p or g of the finest level; sources are owned values.
+    void import_velocity(const VelocityVector &from, LevelVector<float> &to) const;
+    void export_velocity(const LevelVector<float> &from, VelocityVector &to) const;
+    void import_pressure(const PressureVector &from, float factor, LevelVector<float> &to) const;
+    void export_pressure(const LevelVector<float> &from, PressureVector &to) const;
 
     /// result = B Ml^{-1} B^T p
     void apply_pressure_operator(Level &level,

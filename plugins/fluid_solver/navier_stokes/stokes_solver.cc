@@ -53,6 +53,78 @@ namespace feib
       }
     };
 
+    /// The blocks with convection in them, for large steps: the velocity's with a few iterations of
+    /// GMRES around the cycle without convection, and the least-squares commutator of Elman, Howle,
+    /// Shadid, Shuttleworth and Tuminaro (2006) for the Schur complement,
+    ///   S^{-1} = Lp^{-1} (B Ml^{-1} F Ml^{-1} B^T) Lp^{-1}.
+    template <int dim>
+    struct ConvectiveBlocks
+    {
+      const typename StokesSolver<dim>::Equations &equations;
+      StokesMultigrid<dim> &multigrid;
+
+      /// dst = F src
+      void
+      vmult(VelocityVector &dst, const VelocityVector &src) const
+      {
+        VelocityVector v = equations.space.make_velocity();
+        v.copy_locally_owned_data_from(src);
+        equations.space.distribute(v, true);
+        dst = 0.;
+        equations.operators.add_velocity_form(equations.rate, 1., v, dst);
+        equations.operators.add_convection(1., v, *equations.velocity, dst);
+        equations.operators.add_convection(1., *equations.velocity, v, dst);
+        dst.compress(dealii::VectorOperation::add);
+        equations.space.condense(dst);
+      }
+
+      /// r = B^T p, condensed
+      void
+      apply_gradient(const PressureVector &p, VelocityVector &r) const
+      {
+        r = 0.;
+        equations.operators.add_gradient(p, r);
+        r.compress(dealii::VectorOperation::add);
+        equations.space.condense(r);
+      }
+
+      void
+      solve(const VelocityVector &f, const PressureVector &g, VelocityVector &u, PressureVector &p)
+      {
+        const EulerianSpace<dim> &space = equations.space;
+        VelocityVector v = space.make_velocity(), w = space.make_velocity();
+        PressureVector q = space.make_pressure();
+        multigrid.solve_pressure(g, p);
+        apply_gradient(p, v);
+        multigrid.divide_by_mass(v);
+        vmult(w, v);
+        multigrid.divide_by_mass(w);
+        space.distribute(w, true);
+        equations.operators.add_divergence(w, q);
+        q.compress(dealii::VectorOperation::add);
+        multigrid.solve_pressure(q, p);
+        p *= -1.;
+
+        apply_gradient(p, v);
+        v += f;
+        constexpr unsigned int most = 30;
+        dealii::IterationNumberControl control(most, .1 * v.l2_norm(), false, false);
+        dealii::SolverFGMRES<VelocityVector> gmres(
+          control, dealii::SolverFGMRES<VelocityVector>::AdditionalData(most));
+        struct Cycle
+        {
+          StokesMultigrid<dim> &multigrid;
+          void
+          vmult(VelocityVector &dst, const VelocityVector &src) const
+          {
+            multigrid.solve_velocity(src, dst);
+          }
+        };
+        u = 0.;
+        gmres.solve(*this, u, v, Cycle{multigrid});
+      }
+    };
+
     /// The inverse, or something like it.
     template <class Inverse>
     struct Preconditioner
@@ -203,6 +275,11 @@ namespace feib
     const unsigned int stalled   = method == Method::multigrid  ? 300
                                    : uses > 0 && last_uses == 1 ? 8
                                                                 : 30;
+    // With convection beyond this CFL number, the blocks without it lose their grip.
+    constexpr double moderate = 1;
+    const bool convective =
+      method == Method::multigrid && equations.velocity &&
+      equations.operators.cfl_rate(*equations.velocity) > moderate * equations.rate;
     const Jacobian<dim> jacobian{equations, weight};
     unsigned int total = 0;
     for (const bool last_try : {method == Method::multigrid, true})
@@ -220,7 +297,15 @@ namespace feib
                                                                                 : stalled));
         try
           {
-            if (method == Method::multigrid)
+            if (convective)
+              {
+                ConvectiveBlocks<dim> blocks{equations, multigrid};
+                fgmres.solve(jacobian,
+                             solution,
+                             right_hand_side,
+                             Preconditioner<ConvectiveBlocks<dim>>{blocks, weight});
+              }
+            else if (method == Method::multigrid)
               fgmres.solve(jacobian,
                            solution,
                            right_hand_side,
