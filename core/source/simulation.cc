@@ -256,7 +256,7 @@ namespace feib
     SimulationInDimension<dim>::adapt()
     {
       const Timers::Section section(timers, "refinement");
-      return space->adapt([&](auto &mesh) { refinement->mark(mesh, *space, structures); }, true);
+      return refinement->adapt(*space, structures);
     }
 
 
