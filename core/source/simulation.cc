@@ -63,6 +63,8 @@ namespace feib
         double largest_increase          = -std::numeric_limits<double>::infinity();
         double largest_relative_increase = -std::numeric_limits<double>::infinity();
         double largest_closure           = 0;
+        unsigned int remeshes            = 0; // changes of the mesh, and what they took
+        double remesh_seconds            = 0;
         double smallest_dt               = std::numeric_limits<double>::infinity();
         double largest_dt                = 0;
         std::vector<double> leak, time_error; // per structure, of its measure
@@ -266,13 +268,16 @@ namespace feib
     {
       if (refinement->interval() == 0 || step % refinement->interval() != 0)
         return;
-      const double before = fluid->balance(*space).kinetic_energy;
+      const double before           = fluid->balance(*space).kinetic_energy;
+      const Clock::time_point remesh_start = Clock::now();
       if (!adapt())
         return;
       {
         const Timers::Section section(timers, "refinement");
         fluid->project(*space);
       }
+      ++totals.remeshes;
+      totals.remesh_seconds += seconds_since(remesh_start);
       // Moving the velocity to another mesh is no work of the scheme.
       const double gained = fluid->balance(*space).kinetic_energy - before;
       totals.energy += gained;
@@ -686,6 +691,7 @@ namespace feib
                               {"nonlinear_mean", totals.nonlinear_iterations / steps},
                               {"geometry_mean", totals.geometry_iterations / steps}};
       result["retries"]    = retries;
+      result["remeshes"]   = {{"count", totals.remeshes}, {"seconds", totals.remesh_seconds}};
       if (std::isfinite(stability_limit))
         result["stability_limit"] = stability_limit;
       if (step > 0)

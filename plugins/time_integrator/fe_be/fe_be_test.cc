@@ -41,6 +41,10 @@ namespace
       return {};
     }
 
+    void
+    project(EulerianSpace<2> &) override
+    {}
+
     double
     density() const override
     {
@@ -54,7 +58,7 @@ namespace
     }
 
     Balance
-    balance(const EulerianSpace<2> &) const override
+    balance(const EulerianSpace<2> &) override
     {
       return {};
     }
