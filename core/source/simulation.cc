@@ -265,7 +265,7 @@ namespace feib
     SimulationInDimension<dim>::adapt()
     {
       const Timers::Section section(timers, "refinement");
-      return space->adapt([&](auto &mesh) { refinement->mark(mesh, *space, structures); }, true);
+      return refinement->adapt(*space, structures);
     }
 
 
@@ -278,6 +278,10 @@ namespace feib
       const double before = fluid->balance(*space).kinetic_energy;
       if (!adapt())
         return;
+      {
+        const Timers::Section section(timers, "refinement");
+        fluid->project(*space);
+      }
       // Moving the velocity to another mesh is no work of the scheme.
       const double gained = fluid->balance(*space).kinetic_energy - before;
       totals.energy += gained;

@@ -41,7 +41,7 @@ namespace
 
 TEST(BadPlugins, OlderAbi)
 {
-  EXPECT_EQ(bad("older_abi"), "was built for interface version 0; this is version 2: rebuild it");
+  EXPECT_EQ(bad("older_abi"), "was built for interface version 0; this is version 3: rebuild it");
 }
 
 TEST(BadPlugins, OtherBuildType)

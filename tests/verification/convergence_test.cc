@@ -108,3 +108,28 @@ TEST(MembraneCircle, RefiningTwiceAroundTheCurveBeatsTheUniformMeshOfAsManyUnkno
       EXPECT_LT(refined["errors"][name].get<double>(), .9 * uniform["errors"][name].get<double>());
     }
 }
+
+TEST(MembraneCircle, PressureJumpsFindTheCurveAndBeatTheUniformMeshOfMoreUnknowns)
+{
+  const std::string steps = set("/time/step", 0.005) + set("/time/end", 0.06) +
+                            set("/structures/0/membrane/mesh/closed_curve/elements", 1024);
+  const Json adapted =
+    run_case("membrane_circle",
+             steps + set("/domain/cells", {16, 16}) +
+               set("/refinement", {{"error_indicator", {{"maximum_level", 2}, {"interval", 1}}}}));
+  const Json uniform = run_case("membrane_circle", steps + set("/domain/cells", {32, 32}));
+  ASSERT_GT(uniform["cells"].get<int>(), adapted["cells"].get<int>());
+  const std::vector<std::pair<std::string, double>> bounds = {{"velocity_l2", .5},
+                                                              {"pressure_l2", .8}};
+  for (const auto &[name, bound] : bounds)
+    {
+      std::printf("%s: adapted %.3e with %d cells, uniform %.3e with %d\n",
+                  name.c_str(),
+                  adapted["errors"][name].get<double>(),
+                  adapted["cells"].get<int>(),
+                  uniform["errors"][name].get<double>(),
+                  uniform["cells"].get<int>());
+      EXPECT_LT(adapted["errors"][name].get<double>(),
+                bound * uniform["errors"][name].get<double>());
+    }
+}

@@ -60,12 +60,16 @@ namespace feib
     /// RunFailure when a solve does not reach its tolerance; space.old_velocity is untouched.
     virtual Report advance(EulerianSpace<dim> &space, const Step &step) = 0;
 
+    /// Makes space.velocity discretely divergence-free again by the least change in L2, after the
+    /// state was moved to another mesh. Collective.
+    virtual void project(EulerianSpace<dim> &space) = 0;
+
     /// rho [mass/volume] and mu [force time/area].
     virtual double density() const   = 0;
     virtual double viscosity() const = 0;
 
     /// Collective; the same on all ranks.
-    virtual Balance balance(const EulerianSpace<dim> &space) const = 0;
+    virtual Balance balance(const EulerianSpace<dim> &space) = 0;
   };
 } // namespace feib
 

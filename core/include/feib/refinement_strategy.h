@@ -16,14 +16,29 @@ namespace feib
 
     virtual ~RefinementStrategy() = default;
 
-    /// Sets refine and coarsen flags on the locally owned cells of @p triangulation. The core
-    /// repeats mark and execute at the start until no flag is set on any rank.
+    /// Called once before the calls of mark() that lead to a new mesh. What is wanted because of
+    /// the fluid's state must be decided here: mark() would find the same state on the finer cells
+    /// and refine them again. Collective.
+    virtual void
+    plan(const EulerianSpace<dim> &, const std::vector<ImmersedStructure<dim>> &)
+    {}
+
+    /// Sets refine and coarsen flags on the locally owned cells of @p triangulation. Mark and
+    /// execute are repeated until no flag is set on any rank.
     virtual void mark(dealii::parallel::distributed::Triangulation<dim> &triangulation,
                       const EulerianSpace<dim> &space,
                       const std::vector<ImmersedStructure<dim>> &structures) const = 0;
 
     /// After how many steps to mark again; 0: never.
     virtual unsigned int interval() const = 0;
+
+    /// Plans, and adapts the mesh until nothing is marked. Returns whether it changed. Collective.
+    bool
+    adapt(EulerianSpace<dim> &space, const std::vector<ImmersedStructure<dim>> &structures)
+    {
+      plan(space, structures);
+      return space.adapt([&](auto &mesh) { mark(mesh, space, structures); }, true);
+    }
   };
 } // namespace feib
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cell_operators.h"
 
+#include "cell_kernels.h"
+
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_dgp.h>
 #include <deal.II/fe/fe_q.h>
@@ -210,13 +212,14 @@ namespace feib
 
 
   template <int dim>
-  double
+  template <typename Value>
+  Value
   CellOperators<dim>::face_flux(const Size &size,
                                 const unsigned int f,
                                 const unsigned int q,
-                                const double *w) const
+                                const Value *w) const
   {
-    double result = 0;
+    Value result = {};
     for (unsigned int i = 0; i < n; ++i)
       result += face_phi[f][q][i] * w[f / 2 * n + i];
     return result * (f % 2 == 0 ? -1. : 1.) * volume(size) / size[f / 2];
@@ -224,13 +227,14 @@ namespace feib
 
 
   template <int dim>
+  template <typename Value>
   void
   CellOperators<dim>::add_convection(const Size &size,
-                                     const double *w,
-                                     const double *u,
+                                     const Value *w,
+                                     const Value *u,
                                      const double rho,
                                      const ConvectiveForm form,
-                                     double *result,
+                                     Value *result,
                                      const unsigned int outflow_faces) const
   {
     const double det      = volume(size);
@@ -239,21 +243,21 @@ namespace feib
     for (unsigned int q = 0; q < n_q; ++q)
       {
         const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
-        double wq[dim], advected[n] = {}; // factor w, factor w . grad phi_i
+        Value wq[dim], advected[n] = {}; // factor w, factor w . grad phi_i
         for (unsigned int a = 0; a < dim; ++a)
           {
             wq[a] = factor * value(a, q, w);
             for (unsigned int i = 0; i < n; ++i)
               advected[i] += wq[a] / size[a] * dphi[a][q][i];
           }
-        double along[n] = {}; // factor w . u_i
+        Value along[n] = {}; // factor w . u_i
         if (rotational)
           for (unsigned int a = 0; a < dim; ++a)
             for (unsigned int i = 0; i < n; ++i)
               along[i] += wq[a] * u[a * n + i];
         for (unsigned int c = 0; c < dim; ++c)
           {
-            double force = 0; // w_a d_a u_c, rotational: less w_a d_c u_a
+            Value force = {}; // w_a d_a u_c, rotational: less w_a d_c u_a
             for (unsigned int i = 0; i < n; ++i)
               force += advected[i] * u[c * n + i];
             if (rotational)
@@ -263,7 +267,7 @@ namespace feib
               result[i] += force * values[c][q][i];
             if (skew)
               {
-                const double uq = value(c, q, u);
+                const Value uq = value(c, q, u);
                 for (unsigned int i = 0; i < n; ++i)
                   result[c * n + i] -= uq * advected[i];
               }
@@ -274,10 +278,10 @@ namespace feib
         if (outflow_faces & (1U << f))
           for (unsigned int q = 0; q < n_face_q; ++q)
             {
-              const double factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
+              const Value factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
               for (unsigned int c = 0; c < dim; ++c)
                 {
-                  double value = 0;
+                  Value value = {};
                   for (unsigned int i = 0; i < n; ++i)
                     value += face_phi[f][q][i] * u[c * n + i];
                   for (unsigned int i = 0; i < n; ++i)
@@ -293,4 +297,13 @@ namespace feib
   velocity_values<3>(const Reconstruction<3> *, const dealii::Point<3> &, double (&)[3][81]);
   template class CellOperators<2>;
   template class CellOperators<3>;
+
+#define FEIB_INSTANTIATE(dim, Value)                                                           \
+  template void CellOperators<dim>::add_convection(                                            \
+    const Size &, const Value *, const Value *, double, ConvectiveForm, Value *, unsigned int) \
+    const;
+  FEIB_INSTANTIATE(2, double)
+  FEIB_INSTANTIATE(3, double)
+  FEIB_INSTANTIATE(2, Batch<double>::Values)
+  FEIB_INSTANTIATE(3, Batch<double>::Values)
 } // namespace feib

@@ -68,34 +68,24 @@ namespace feib
                                           ConvectiveForm form,
                                           unsigned int outflow_faces = 0) const;
 
-    /// result += rho b(w; u, v) for all v.
+    /// result += rho b(w; u, v) for all v. Value: double, or a batch of values of cells that have
+    /// size and outflow faces in common.
+    template <typename Value>
     void add_convection(const Size &size,
-                        const double *w,
-                        const double *u,
+                        const Value *w,
+                        const Value *u,
                         double rho,
                         ConvectiveForm form,
-                        double *result,
+                        Value *result,
                         unsigned int outflow_faces = 0) const;
-
-    /// u^T matrix u for a matrix of a cell.
-    static double
-    quadratic_form(const std::vector<double> &matrix, const double *u)
-    {
-      double sum = 0;
-      for (unsigned int i = 0; i < n_u; ++i)
-        {
-          double row = 0;
-          for (unsigned int j = 0; j < n_u; ++j)
-            row += matrix[i * n_u + j] * u[j];
-          sum += u[i] * row;
-        }
-      return sum;
-    }
 
     /// Integrals over the unit cell, int (R v)_a = sum_j mean[a][j] v_j and int x_b (R v)_a =
     /// sum_j moment[b][a][j] v_j with x from the cell's corner.
     double mean[dim][n_u];
     double moment[dim][dim][n_u];
+
+    /// Component a of R v depends on the unknowns first[a], ..., last[a] - 1 of a cell.
+    unsigned int first[dim], last[dim];
 
     /// Weights and unit gradients of the n shape functions at the Gauss points of the unit cell.
     double weights[n_q];
@@ -103,17 +93,20 @@ namespace feib
 
   private:
     /// Component a of R w at Gauss point q.
-    double
-    value(const unsigned int a, const unsigned int q, const double *w) const
+    template <typename Value>
+    Value
+    value(const unsigned int a, const unsigned int q, const Value *w) const
     {
-      double result = 0;
+      Value result = {};
       for (unsigned int j = first[a]; j < last[a]; ++j)
         result += values[a][q][j] * w[j];
       return result;
     }
 
     /// w . n times the measure of face f, at its Gauss point q.
-    double face_flux(const Size &size, unsigned int f, unsigned int q, const double *w) const;
+    template <typename Value>
+    Value face_flux(const Size &size, unsigned int f, unsigned int q, const Value *w) const;
+
 
     static constexpr unsigned int n_face_q = dim == 2 ? 4 : 16;
 
@@ -122,7 +115,6 @@ namespace feib
 
     // Component a of R v at Gauss point q is sum_j values[a][q][j] v_j, first[a] <= j < last[a].
     double values[dim][n_q][n_u];
-    unsigned int first[dim], last[dim];
 
     double mass[n_u][n_u];            // int R v_i . R v_j
     double stiffness[dim][dim][n][n]; // [a][b][i][j]: int d_a phi_i d_b phi_j

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "cell_operators.h"
-#include "direct_solver.h"
-#include "fluid_integrals.h"
+#include "body_force_load.h"
+#include "fluid_operators.h"
 #include "navier_stokes_schema.h"
+#include "stokes_solver.h"
 
 #include <feib/error.h>
 #include <feib/expression.h>
 #include <feib/fluid_solver.h>
-#include <feib/log.h>
 #include <feib/plugin.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/lac/full_matrix.h>
-#include <deal.II/lac/la_parallel_block_vector.h>
-#include <deal.II/lac/solver_control.h>
-#include <deal.II/lac/solver_gmres.h>
 
 #include <cmath>
+#include <deque>
 #include <iomanip>
 #include <optional>
 #include <sstream>
@@ -64,7 +60,15 @@ namespace feib
                                     : Reconstructed::all;
     }
 
-    using BlockVector = dealii::LinearAlgebra::distributed::BlockVector<double>;
+    template <int dim>
+    typename StokesSolver<dim>::Method
+    method_of(const std::string &name)
+    {
+      using Method = typename StokesSolver<dim>::Method;
+      return name == "automatic"   ? Method::automatic
+             : name == "multigrid" ? Method::multigrid
+                                   : Method::direct;
+    }
   } // namespace
 
 
@@ -72,8 +76,7 @@ namespace feib
   ///
   /// Every step is a residual and its correction: with the boundary values set in the first guess,
   /// the correction obeys homogeneous constraints, and one loop serves the linear step (one
-  /// correction by the factorisation), Newton's method and an implicit load (corrections by
-  /// FGMRES, preconditioned by the factorisation).
+  /// correction), Newton's method and an implicit load.
   template <int dim>
   class NavierStokes : public FluidSolver<dim>
   {
@@ -90,37 +93,24 @@ namespace feib
 
     Report advance(Space &space, const Step &step) override;
 
+    void project(Space &space) override;
+
     double
     density() const override
     {
-      return rho;
+      return operators.terms().rho;
     }
 
     double
     viscosity() const override
     {
-      return mu;
+      return operators.terms().mu;
     }
 
-    Balance
-    balance(const Space &space) const override
-    {
-      return fluid_balance(space, operators, rho);
-    }
+    Balance balance(const Space &space) override;
 
   private:
-    static constexpr unsigned int n   = CellOperators<dim>::n;
-    static constexpr unsigned int n_u = CellOperators<dim>::n_u;
-    static constexpr unsigned int n_p = CellOperators<dim>::n_p;
-
-    /// Dense matrices of a cell; all cells of a level have the same size.
-    struct LevelMatrices
-    {
-      std::vector<double> velocity;   // alpha M + mu K + gamma D
-      std::vector<double> mass;       // rho M
-      std::vector<double> viscous;    // mu K + gamma D
-      std::vector<double> divergence; // (div u, q)
-    };
+    static constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
 
     struct Norms
     {
@@ -137,41 +127,30 @@ namespace feib
       double implicit_load = 0; // norm, condensed
     };
 
-    std::vector<LevelMatrices> level_matrices(const Space &space, double alpha) const;
-
-    /// The nearest velocity (in L2) that is discretely divergence-free.
-    void project(Space &space);
-
-    void prepare(const Space &space, double dt);
-
-    void find_outflow_faces(const Space &space);
-
-    void factorize(const Space &space, const VelocityVector *w, const ImplicitLoad<dim> *load);
-
-    void
-    assemble_body_force(const Space &space, const double time)
+    /// A solution of a step, for the first guess of the next.
+    struct Solution
     {
-      body_force->set_time(time);
-      body_force_load =
-        load_of_body_force(space, *body_force, reconstruction ? &*reconstruction : nullptr);
-    }
+      double time;
+      VelocityVector velocity;
+      PressureVector pressure;
+    };
+
+    /// For a new mesh.
+    void prepare(const Space &space);
+
+    void assemble_body_force(const Space &space, double time);
+
+    /// Puts the polynomial in time through the last solutions into the state, unless the state is a
+    /// solution for the same time already.
+    void guess(Space &space, const Step &step);
 
     VelocityVector extrapolated_velocity(const Space &space, double dt) const;
 
-    void add_convection(const Space &space,
-                        const VelocityVector &w,
-                        const VelocityVector &u,
-                        double factor,
-                        VelocityVector &result) const;
-
-    /// r = forces - A u + B^T p, g = B u over all unknowns, not condensed.
-    void apply_stokes(const Space &space,
-                      const VelocityVector &u,
-                      const PressureVector &p,
-                      VelocityVector &r,
-                      PressureVector &g) const;
-
     Norms norms(const Space &space, const VelocityVector &r, const PressureVector &g) const;
+
+    /// What a residual of the divergence counts beside one of momentum of the size @p scale.
+    double
+    divergence_weight(const Space &space, double rate, const Norms &norms, double scale) const;
 
     void remove_mean_pressure(Space &space) const;
 
@@ -186,13 +165,6 @@ namespace feib
     /// Throws RunFailure when the box is closed and what goes in does not come out.
     void check_net_flux(const Space &space, const Residual &residual) const;
 
-    unsigned int correct(const Space &space,
-                         const Step &step,
-                         const Residual &residual,
-                         double reduction,
-                         VelocityVector &du,
-                         PressureVector &dp);
-
     /// Puts the powers of the step that led to the state of the space into the report.
     void account(const Space &space,
                  const Residual &residual,
@@ -200,10 +172,8 @@ namespace feib
                  Report &report) const;
 
     // What the case says.
-    const double rho, mu, grad_div, tolerance;
+    const double tolerance;
     const unsigned int max_iterations;
-    const bool symmetric;
-    const ConvectiveForm convective_form;
     const Convection convection;
     const Reconstructed reconstructed;
     const std::string pointer;
@@ -212,37 +182,32 @@ namespace feib
 
     // What is kept from step to step.
     std::optional<Reconstruction<dim>> reconstruction;
-    CellOperators<dim> operators; // with the reconstruction when all is tested with it
+    FluidOperators<dim> operators; // with the reconstruction when all is tested with it
+    FluidOperators<dim> inertia;   // without it and without viscosity
+    StokesSolver<dim> solver;
     unsigned int revision = 0;
-    double factor_dt      = 0;
-    std::vector<LevelMatrices> levels;
-    std::vector<unsigned int> outflow_faces; // per cell, bit f for face f
-    DirectSolver<dim> direct;
-    bool factor_outdated        = true;
-    bool factor_with_load       = false; // the implicit load is, or should be, in the factorisation
-    bool factor_with_convection = false;
-    unsigned int iterations     = 0; // beyond the few that a fresh factorisation takes, since then
-    unsigned int uses           = 0; // corrections computed with the factorisation,
-    unsigned int last_uses      = 0; // and with the one before
     VelocityVector body_force_load;
+    std::deque<Solution> solutions; // the latest first
   };
 
 
   template <int dim>
   NavierStokes<dim>::NavierStokes(const Parameters &parameters)
-    : rho(parameters.number("density"))
-    , mu(parameters.number("viscosity"))
-    , grad_div(parameters.number("grad_div"))
-    , tolerance(parameters.number("tolerance"))
+    : tolerance(parameters.number("tolerance"))
     , max_iterations(parameters.integer("max_iterations"))
-    , symmetric(parameters.string("viscous_form") == "symmetric")
-    , convective_form(convective_form_of(parameters.string("convective_form")))
     , convection(convection_of(parameters.string("convection")))
     , reconstructed(reconstructed_of(parameters.string("reconstruction")))
     , pointer(parameters.pointer())
+    , operators({parameters.number("density"),
+                 parameters.number("viscosity"),
+                 parameters.number("grad_div"),
+                 parameters.string("viscous_form") == "symmetric",
+                 convective_form_of(parameters.string("convective_form"))})
+    , inertia({parameters.number("density"), 0., 0., false, ConvectiveForm::convective})
+    , solver(method_of<dim>(parameters.string("linear_solver")))
   {
     if (reconstructed == Reconstructed::all && convection != Convection::none &&
-        convective_form == ConvectiveForm::skew_symmetric)
+        operators.terms().convective_form == ConvectiveForm::skew_symmetric)
       parameters.fail("reconstruction",
                       "\"all\" tests convection with the reconstruction, which has no "
                       "skew-symmetric form: set convective_form to \"convective\" or "
@@ -263,7 +228,8 @@ namespace feib
   NavierStokes<dim>::initialize(Space &space)
   {
     const Domain<dim> &box = space.domain();
-    if (convection != Convection::none && convective_form == ConvectiveForm::rotational)
+    if (convection != Convection::none &&
+        operators.terms().convective_form == ConvectiveForm::rotational)
       for (const auto &face : box.faces)
         if (face.condition == BoundaryCondition::outflow)
           throw Error(pointer + "/convective_form",
@@ -277,7 +243,7 @@ namespace feib
           size[a] = (box.upper[a] - box.lower[a]) / box.cells[a];
         reconstruction.emplace(size); // the same for the cells of all levels
         if (reconstructed == Reconstructed::all)
-          operators = CellOperators<dim>(&*reconstruction);
+          operators.set_reconstruction(*reconstruction);
       }
     space.set_time(0.);
     space.velocity = 0.;
@@ -313,137 +279,91 @@ namespace feib
   void
   NavierStokes<dim>::project(Space &space)
   {
-    // Without the reconstruction, as |R v| is no norm: on uniform meshes some v has R v = 0.
-    const CellOperators<dim> plain;
-    levels           = level_matrices(space, rho);
+    prepare(space);
+    // The correction of the velocity is all inertia; without the reconstruction, as |R v| is no
+    // norm: on uniform meshes some v has R v = 0.
+    constexpr double rate = 1;
     VelocityVector r = space.make_velocity(), du = space.make_velocity();
     PressureVector g = space.make_pressure(), multiplier = space.make_pressure();
-    apply_stokes(space, space.velocity, space.pressure, r, g);
-    g.compress(dealii::VectorOperation::add);
-    r.zero_out_ghost_values();
-    r = 0.;
-    direct.factorize(
-      space,
-      [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
-        const LevelMatrices &local = levels[space.cells()[c].level];
-        const std::vector<double> mass =
-          plain.velocity_matrix(space.cells()[c].size, rho, 0., symmetric);
-        for (unsigned int i = 0; i < n_u; ++i)
-          for (unsigned int j = 0; j < n_u; ++j)
-            matrix(i, j) = mass[i * n_u + j];
-        for (unsigned int k = 0; k < n_p; ++k)
-          for (unsigned int j = 0; j < n_u; ++j)
-            matrix(n_u + k, j) = matrix(j, n_u + k) = -local.divergence[k * n_u + j];
-      },
-      true);
-    revision = 0; // neither the matrices nor the factorisation are those of a step
-    direct.solve(r, g, du, multiplier);
-    space.distribute(du, true);
-    space.velocity.zero_out_ghost_values();
-    space.velocity += du;
     space.distribute(space.velocity, false);
-  }
-
-
-  template <int dim>
-  std::vector<typename NavierStokes<dim>::LevelMatrices>
-  NavierStokes<dim>::level_matrices(const Space &space, const double alpha) const
-  {
-    std::vector<LevelMatrices> result;
-    for (const auto &cell : space.cells())
+    for (unsigned int pass = 0; pass < 2; ++pass)
       {
-        if (cell.level >= result.size())
-          result.resize(cell.level + 1);
-        LevelMatrices &matrices = result[cell.level];
-        if (matrices.velocity.empty())
-          {
-            matrices.velocity =
-              operators.velocity_matrix(cell.size, alpha, mu, symmetric, grad_div);
-            matrices.mass       = operators.velocity_matrix(cell.size, rho, 0., symmetric);
-            matrices.viscous    = operators.velocity_matrix(cell.size, 0., mu, symmetric, grad_div);
-            matrices.divergence = operators.divergence_matrix(cell.size);
-          }
+        r = 0.;
+        g = 0.;
+        inertia.subtract_stokes(rate, space.velocity, multiplier, r, g);
+        g.compress(dealii::VectorOperation::add);
+        r              = 0.;
+        const Norms of = norms(space, r, g);
+        if (of.divergence <= tolerance * of.divergence_scale)
+          break;
+        const double weight = 1 / of.divergence_scale;
+        solver.solve({space, inertia, rate}, r, g, weight, .1 * tolerance, du, multiplier);
+        space.distribute(du, true);
+        space.velocity.zero_out_ghost_values();
+        space.velocity += du;
+        space.distribute(space.velocity, false);
+        multiplier = 0.;
       }
-    return result;
   }
 
 
   template <int dim>
   void
-  NavierStokes<dim>::prepare(const Space &space, const double dt)
+  NavierStokes<dim>::prepare(const Space &space)
   {
-    // The last step of a run may differ from the others by round-off only.
-    const bool same_dt = std::abs(dt - factor_dt) <= 1e-10 * dt;
-    if (revision == space.revision() && same_dt)
+    if (revision == space.revision())
       return;
-    levels = level_matrices(space, rho / dt);
-    if (revision != space.revision() && body_force && !body_force_varies)
+    operators.reinit(space);
+    inertia.reinit(space);
+    if (body_force && !body_force_varies)
       assemble_body_force(space, 0.);
-    if (revision != space.revision())
-      find_outflow_faces(space);
-    revision               = space.revision();
-    factor_dt              = dt;
-    factor_outdated        = true;
-    factor_with_convection = false;
+    solutions.clear();
+    revision = space.revision();
   }
 
 
   template <int dim>
   void
-  NavierStokes<dim>::find_outflow_faces(const Space &space)
+  NavierStokes<dim>::assemble_body_force(const Space &space, const double time)
   {
-    const Domain<dim> &box = space.domain();
-    outflow_faces.assign(space.cells().size(), 0);
-    for (unsigned int f = 0; f < 2 * dim; ++f)
-      if (box.faces[f].condition == BoundaryCondition::outflow)
-        for (unsigned int c = 0; c < space.cells().size(); ++c)
-          {
-            const auto &cell      = space.cells()[c];
-            const double distance = f % 2 == 0
-                                      ? cell.lower[f / 2] - box.lower[f / 2]
-                                      : box.upper[f / 2] - cell.lower[f / 2] - cell.size[f / 2];
-            if (std::abs(distance) < .5 * cell.size[f / 2])
-              outflow_faces[c] |= 1U << f;
-          }
+    body_force->set_time(time);
+    body_force_load =
+      load_of_body_force(space, *body_force, reconstruction ? &*reconstruction : nullptr);
+  }
+
+
+  template <int dim>
+  typename NavierStokes<dim>::Balance
+  NavierStokes<dim>::balance(const Space &space)
+  {
+    prepare(space);
+    return operators.balance(space);
   }
 
 
   template <int dim>
   void
-  NavierStokes<dim>::factorize(const Space &space,
-                               const VelocityVector *w,
-                               const ImplicitLoad<dim> *load)
+  NavierStokes<dim>::guess(Space &space, const Step &step)
   {
-    direct.factorize(
-      space,
-      [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
-        const auto &cell           = space.cells()[c];
-        const LevelMatrices &local = levels[cell.level];
-        for (unsigned int i = 0; i < n_u; ++i)
-          for (unsigned int j = 0; j < n_u; ++j)
-            matrix(i, j) = local.velocity[i * n_u + j];
-        if (w)
-          {
-            double local_w[n_u];
-            for (unsigned int i = 0; i < n_u; ++i)
-              local_w[i] = w->local_element(space.velocity_dofs(c)[i]);
-            const std::vector<double> convective = operators.convection_matrix(
-              cell.size, local_w, rho, convective_form, outflow_faces[c]);
-            for (unsigned int i = 0; i < n_u; ++i)
-              for (unsigned int j = 0; j < n_u; ++j)
-                matrix(i, j) += convective[i * n_u + j];
-          }
-        for (unsigned int k = 0; k < n_p; ++k)
-          for (unsigned int j = 0; j < n_u; ++j)
-            matrix(n_u + k, j) = matrix(j, n_u + k) = -local.divergence[k * n_u + j];
-      },
-      w == nullptr,
-      load ? load->matrix() : std::vector<typename ImplicitLoad<dim>::Product>());
-    factor_outdated        = false;
-    factor_with_convection = w != nullptr;
-    iterations             = 0;
-    last_uses              = uses;
-    uses                   = 0;
+    // Solutions of this time or later belong to another attempt at this step.
+    const double near = 1e-6 * step.dt;
+    if (!solutions.empty() && std::abs(solutions.front().time - step.time) < near)
+      return;
+    while (!solutions.empty() && solutions.front().time > step.time - near)
+      solutions.pop_front();
+    if (solutions.size() < 2)
+      return;
+    space.velocity = 0.;
+    space.pressure = 0.;
+    for (unsigned int i = 0; i < solutions.size(); ++i)
+      {
+        double weight = 1; // Lagrange's polynomials at the new time
+        for (unsigned int j = 0; j < solutions.size(); ++j)
+          if (j != i)
+            weight *= (step.time - solutions[j].time) / (solutions[i].time - solutions[j].time);
+        space.velocity.add(weight, solutions[i].velocity);
+        space.pressure.add(weight, solutions[i].pressure);
+      }
   }
 
 
@@ -458,77 +378,6 @@ namespace feib
       result.add(-ratio, space.older_velocity);
     result.update_ghost_values();
     return result;
-  }
-
-
-  template <int dim>
-  void
-  NavierStokes<dim>::add_convection(const Space &space,
-                                    const VelocityVector &w,
-                                    const VelocityVector &u,
-                                    const double factor,
-                                    VelocityVector &result) const
-  {
-    double local_w[n_u], local_u[n_u], local[n_u];
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const unsigned int *dofs = space.velocity_dofs(c);
-        for (unsigned int i = 0; i < n_u; ++i)
-          {
-            local_w[i] = w.local_element(dofs[i]);
-            local_u[i] = u.local_element(dofs[i]);
-            local[i]   = 0;
-          }
-        operators.add_convection(space.cells()[c].size,
-                                 local_w,
-                                 local_u,
-                                 factor * rho,
-                                 convective_form,
-                                 local,
-                                 outflow_faces[c]);
-        for (unsigned int i = 0; i < n_u; ++i)
-          result.local_element(dofs[i]) += local[i];
-      }
-  }
-
-
-  template <int dim>
-  void
-  NavierStokes<dim>::apply_stokes(const Space &space,
-                                  const VelocityVector &u,
-                                  const PressureVector &p,
-                                  VelocityVector &r,
-                                  PressureVector &g) const
-  {
-    double local_u[n_u], local_p[n_p];
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const LevelMatrices &local        = levels[space.cells()[c].level];
-        const unsigned int *dofs          = space.velocity_dofs(c);
-        const unsigned int *pressure_dofs = space.pressure_dofs(c);
-        for (unsigned int i = 0; i < n_u; ++i)
-          local_u[i] = u.local_element(dofs[i]);
-        for (unsigned int k = 0; k < n_p; ++k)
-          local_p[k] = p.local_element(pressure_dofs[k]);
-        for (unsigned int i = 0; i < n_u; ++i)
-          {
-            const double *row = &local.velocity[i * n_u];
-            double sum        = 0;
-            for (unsigned int j = 0; j < n_u; ++j)
-              sum -= row[j] * local_u[j];
-            for (unsigned int k = 0; k < n_p; ++k)
-              sum += local.divergence[k * n_u + i] * local_p[k];
-            r.local_element(dofs[i]) += sum;
-          }
-        for (unsigned int k = 0; k < n_p; ++k)
-          {
-            const double *row = &local.divergence[k * n_u];
-            double sum        = 0;
-            for (unsigned int j = 0; j < n_u; ++j)
-              sum += row[j] * local_u[j];
-            g.local_element(pressure_dofs[k]) += sum;
-          }
-      }
   }
 
 
@@ -566,125 +415,17 @@ namespace feib
 
 
   template <int dim>
-  unsigned int
-  NavierStokes<dim>::correct(const Space &space,
-                             const Step &step,
-                             const Residual &residual,
-                             const double reduction,
-                             VelocityVector &du,
-                             PressureVector &dp)
+  double
+  NavierStokes<dim>::divergence_weight(const Space &space,
+                                       const double rate,
+                                       const Norms &norms,
+                                       const double scale) const
   {
-    // Rent or buy: a factorisation costs about as much as this many solutions with it. Once so many
-    // were spent on the lack of the implicit load, or on the load of an old geometry, it pays.
-    constexpr unsigned int price = 30;
-    if (iterations > price)
-      factor_outdated = factor_with_load = true;
-    if (factor_outdated)
-      factorize(space,
-                factor_with_convection ? &space.velocity : nullptr,
-                factor_with_load ? step.implicit_load : nullptr);
-    if (convection != Convection::implicit && !step.implicit_load)
-      {
-        direct.solve(residual.momentum, residual.divergence, du, dp);
-        return 1;
-      }
-    const VelocityVector &u = space.velocity;
-
-    struct Jacobian
-    {
-      const NavierStokes &solver;
-      const Space &space;
-      const Step &step;
-      const VelocityVector &u;
-
-      void
-      vmult(BlockVector &dst, const BlockVector &src) const
-      {
-        VelocityVector v = space.make_velocity();
-        PressureVector p = space.make_pressure();
-        v.copy_locally_owned_data_from(src.block(0));
-        p.copy_locally_owned_data_from(src.block(1));
-        space.distribute(v, true);
-        VelocityVector result          = space.make_velocity();
-        PressureVector result_pressure = space.make_pressure();
-        solver.apply_stokes(space, v, p, result, result_pressure);
-        if (solver.convection == Convection::implicit)
-          {
-            solver.add_convection(space, v, u, -1., result);
-            solver.add_convection(space, u, v, -1., result);
-          }
-        result.compress(dealii::VectorOperation::add);
-        result_pressure.compress(dealii::VectorOperation::add);
-        result *= -1.;
-        if (step.implicit_load)
-          step.implicit_load->apply(result, v);
-        space.condense(result);
-        dst.block(0).copy_locally_owned_data_from(result);
-        dst.block(1).equ(-1., result_pressure);
-      }
-    };
-
-    struct Preconditioner
-    {
-      DirectSolver<dim> &direct;
-      void
-      vmult(BlockVector &dst, const BlockVector &src) const
-      {
-        direct.solve(src.block(0), src.block(1), dst.block(0), dst.block(1));
-      }
-    };
-
-    // Past this many iterations the factorisation is too old, or lacks too much. One that served
-    // no second step will hardly be followed by one that does.
-    constexpr unsigned int usual = 3;
-    const unsigned int stalled   = uses > 0 && last_uses == 1 ? 8 : 30;
-
-    BlockVector right_hand_side(2), solution(2);
-    right_hand_side.block(0).reinit(residual.momentum, true);
-    right_hand_side.block(1).reinit(residual.divergence, true);
-    right_hand_side.collect_sizes();
-    right_hand_side.block(0).copy_locally_owned_data_from(residual.momentum);
-    right_hand_side.block(1).copy_locally_owned_data_from(residual.divergence);
-    solution.reinit(right_hand_side);
-
-    const Jacobian jacobian{*this, space, step, u};
-    const Preconditioner preconditioner{direct};
-    unsigned int total = 0;
-    for (const bool last_try : {false, true})
-      {
-        dealii::SolverControl control(last_try ? 10 * stalled : stalled,
-                                      reduction * right_hand_side.l2_norm(),
-                                      false,
-                                      false);
-        dealii::SolverFGMRES<BlockVector> fgmres(
-          control,
-          typename dealii::SolverFGMRES<BlockVector>::AdditionalData(last_try ? 100 : stalled));
-        try
-          {
-            fgmres.solve(jacobian, solution, right_hand_side, preconditioner);
-            total += control.last_step();
-            if (step.implicit_load && control.last_step() > usual)
-              iterations += control.last_step() - usual;
-            break;
-          }
-        catch (const dealii::SolverControl::NoConvergence &failure)
-          {
-            total += failure.last_step;
-            if (last_try)
-              throw RunFailure("the linear solver stopped after " + std::to_string(total) +
-                               " iterations at residual " + std::to_string(failure.last_residual));
-            log::debug(
-              "factorising the fluid matrix anew, with all there is; the last one served " +
-              std::to_string(uses) + " solutions");
-            factor_with_load = step.implicit_load != nullptr;
-            factorize(space, convection == Convection::implicit ? &u : nullptr, step.implicit_load);
-            solution = 0.;
-          }
-      }
-    ++uses;
-    du.copy_locally_owned_data_from(solution.block(0));
-    dp.copy_locally_owned_data_from(solution.block(1));
-    return total;
+    if (norms.divergence_scale > 0)
+      return scale / norms.divergence_scale;
+    // From rest: by dimensions.
+    const double h = space.smallest_edge();
+    return operators.terms().rho * rate * h + operators.terms().mu / h;
   }
 
 
@@ -716,27 +457,14 @@ namespace feib
                                   VelocityVector &explicit_convection)
   {
     VelocityVector fixed = space.make_velocity();
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const std::vector<double> &mass = levels[space.cells()[c].level].mass;
-        const unsigned int *dofs        = space.velocity_dofs(c);
-        double local[n_u];
-        for (unsigned int j = 0; j < n_u; ++j)
-          local[j] = space.old_velocity.local_element(dofs[j]) / step.dt;
-        for (unsigned int i = 0; i < n_u; ++i)
-          {
-            double sum = 0;
-            for (unsigned int j = 0; j < n_u; ++j)
-              sum += mass[i * n_u + j] * local[j];
-            fixed.local_element(dofs[i]) += sum;
-          }
-      }
+    space.old_velocity.update_ghost_values();
+    operators.add_velocity_form(1 / step.dt, 0., space.old_velocity, fixed);
     fixed.compress(dealii::VectorOperation::add);
     if (convection == Convection::explicit_extrapolation)
       {
         const VelocityVector w = extrapolated_velocity(space, step.dt);
         explicit_convection    = space.make_velocity();
-        add_convection(space, w, w, 1., explicit_convection);
+        operators.add_convection(1., w, w, explicit_convection);
         explicit_convection.compress(dealii::VectorOperation::add);
         fixed -= explicit_convection;
       }
@@ -760,9 +488,10 @@ namespace feib
     Residual result;
     result.momentum   = space.make_velocity();
     result.divergence = space.make_pressure();
-    apply_stokes(space, space.velocity, space.pressure, result.momentum, result.divergence);
+    operators.subtract_stokes(
+      1 / step.dt, space.velocity, space.pressure, result.momentum, result.divergence);
     if (convection == Convection::implicit)
-      add_convection(space, space.velocity, space.velocity, -1., result.momentum);
+      operators.add_convection(-1., space.velocity, space.velocity, result.momentum);
     result.momentum.compress(dealii::VectorOperation::add);
     result.divergence.compress(dealii::VectorOperation::add);
     result.momentum += fixed_forces;
@@ -807,26 +536,17 @@ namespace feib
                              const VelocityVector &explicit_convection,
                              Report &report) const
   {
-    double u[n_u], du[n_u], dissipation = 0, increment = 0;
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      {
-        const LevelMatrices &local = levels[space.cells()[c].level];
-        for (unsigned int i = 0; i < n_u; ++i)
-          {
-            u[i]  = space.velocity.local_element(space.velocity_dofs(c)[i]);
-            du[i] = u[i] - space.old_velocity.local_element(space.velocity_dofs(c)[i]);
-          }
-        dissipation += CellOperators<dim>::quadratic_form(local.viscous, u);
-        increment += .5 * CellOperators<dim>::quadratic_form(local.mass, du);
-      }
-    report.dissipation      = dealii::Utilities::MPI::sum(dissipation, space.communicator());
-    report.increment_energy = dealii::Utilities::MPI::sum(increment, space.communicator());
+    report.dissipation = operators.dissipation(space.velocity);
+    VelocityVector increment(space.velocity);
+    increment -= space.old_velocity;
+    increment.update_ghost_values();
+    report.increment_energy = .5 * operators.square(increment);
     if (convection == Convection::explicit_extrapolation)
       report.convection_power = explicit_convection * space.velocity;
     else if (convection == Convection::implicit)
       {
         VelocityVector force = space.make_velocity();
-        add_convection(space, space.velocity, space.velocity, 1., force);
+        operators.add_convection(1., space.velocity, space.velocity, force);
         force.compress(dealii::VectorOperation::add);
         report.convection_power = force * space.velocity;
       }
@@ -845,7 +565,8 @@ namespace feib
   typename NavierStokes<dim>::Report
   NavierStokes<dim>::advance(Space &space, const Step &step)
   {
-    prepare(space, step.dt);
+    prepare(space);
+    guess(space, step);
     space.set_time(step.time);
     space.distribute(space.velocity, false);
 
@@ -883,12 +604,23 @@ namespace feib
 
         // A linear problem is solved at once; Newton's method converges quadratically while each
         // linear residual is the square of the nonlinear one.
-        const double target = .3 * tolerance * scale / std::max(norms.momentum, tolerance * scale);
-        const double reduction =
-          std::max(target, linear ? 1e-13 : std::min(1e-4, norms.momentum / scale));
+        const double target =
+          std::max(.3 * tolerance * scale,
+                   (linear ? 1e-13 : std::min(1e-4, norms.momentum / scale)) * norms.momentum);
         VelocityVector du = space.make_velocity();
         PressureVector dp = space.make_pressure();
-        report.linear_iterations += correct(space, step, present, reduction, du, dp);
+        report.linear_iterations +=
+          solver.solve({space,
+                        operators,
+                        1 / step.dt,
+                        convection == Convection::implicit ? &space.velocity : nullptr,
+                        step.implicit_load},
+                       present.momentum,
+                       present.divergence,
+                       divergence_weight(space, 1 / step.dt, norms, scale),
+                       target,
+                       du,
+                       dp);
         ++report.nonlinear_iterations;
         space.distribute(du, true);
         dp.update_ghost_values();
@@ -924,6 +656,13 @@ namespace feib
           }
       }
     account(space, present, explicit_convection, report);
+
+    constexpr unsigned int n_kept = 3;
+    if (!solutions.empty() && solutions.front().time == step.time)
+      solutions.pop_front();
+    solutions.push_front({step.time, space.velocity, space.pressure});
+    if (solutions.size() > n_kept)
+      solutions.pop_back();
     return report;
   }
 } // namespace feib

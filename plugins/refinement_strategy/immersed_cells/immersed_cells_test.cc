@@ -35,15 +35,6 @@ namespace
     return structures;
   }
 
-  template <int dim>
-  bool
-  adapt(EulerianSpace<dim> &space,
-        const RefinementStrategy<dim> &strategy,
-        const std::vector<ImmersedStructure<dim>> &structures)
-  {
-    return space.adapt([&](auto &mesh) { strategy.mark(mesh, space, structures); }, true);
-  }
-
   /// Many points of the structure: the corners of its elements, and at random within.
   template <int dim>
   std::vector<Point<dim>>
@@ -159,7 +150,7 @@ namespace
       feib::testing::registry().create<RefinementStrategy<dim>>("immersed_cells", settings.json());
     const auto structures = make_structure<dim>(component, block);
 
-    EXPECT_TRUE(adapt(*space, *strategy, structures));
+    EXPECT_TRUE(strategy->adapt(*space, structures));
     check_mesh(*space, structures, settings, n_per_element);
 
     // A fixed point: nothing is marked any more.
@@ -177,17 +168,17 @@ namespace
 
     // The same mesh on one rank.
     const auto alone = feib::testing::make_space<dim>(domain, MPI_COMM_SELF);
-    adapt(*alone, *strategy, structures);
+    strategy->adapt(*alone, structures);
     EXPECT_EQ(alone->triangulation().n_global_active_cells(),
               space->triangulation().n_global_active_cells());
 
     // The refinement follows, and the mesh does not depend on where the structure was before.
     for (Point<dim> &x : structures[0].model->positions)
       x[0] += .11;
-    EXPECT_TRUE(adapt(*space, *strategy, structures));
+    EXPECT_TRUE(strategy->adapt(*space, structures));
     check_mesh(*space, structures, settings, n_per_element);
     const auto fresh = feib::testing::make_space<dim>(domain);
-    adapt(*fresh, *strategy, structures);
+    strategy->adapt(*fresh, structures);
     EXPECT_EQ(fresh->triangulation().n_global_active_cells(),
               space->triangulation().n_global_active_cells());
   }
@@ -259,7 +250,7 @@ namespace
     for (const double bad : {1e300, std::nan("")})
       {
         structures[0].model->positions[3][0] = bad;
-        EXPECT_THROW(adapt(*space, *strategy, structures), RunFailure);
+        EXPECT_THROW(strategy->adapt(*space, structures), RunFailure);
       }
   }
 

@@ -16,12 +16,11 @@ namespace
       feib::testing::make_space<dim>(dim == 2 ? R"({"cells": [3, 2]})" : R"({"cells": [3, 2, 1]})");
     const auto strategy = feib::testing::registry().create<RefinementStrategy<dim>>(
       "uniform", "{\"levels\": " + std::to_string(levels) + "}");
-    const auto mark = [&](auto &mesh) { strategy->mark(mesh, *space, {}); };
-    EXPECT_EQ(space->adapt(mark, true), levels > 0);
+    EXPECT_EQ(strategy->adapt(*space, {}), levels > 0);
     EXPECT_EQ(space->triangulation().n_global_active_cells(), n_cells);
     for (const auto &cell : space->cells())
       EXPECT_EQ(cell.level, levels);
-    EXPECT_FALSE(space->adapt(mark, true));
+    EXPECT_FALSE(strategy->adapt(*space, {}));
     EXPECT_EQ(strategy->interval(), 0u);
   }
 
@@ -36,6 +35,6 @@ namespace
   {
     const auto space    = feib::testing::make_space<2>(R"({"cells": [3, 2]})");
     const auto strategy = feib::testing::registry().create<RefinementStrategy<2>>("uniform");
-    EXPECT_FALSE(space->adapt([&](auto &mesh) { strategy->mark(mesh, *space, {}); }, true));
+    EXPECT_FALSE(strategy->adapt(*space, {}));
   }
 } // namespace

@@ -1,0 +1,676 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "stokes_multigrid.h"
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/lac/sparse_matrix.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    constexpr unsigned int none = static_cast<unsigned int>(-1);
+
+    // What was found fastest, see docs/performance.md.
+    constexpr unsigned int velocity_degree = 3, pressure_degree = 2;
+    constexpr double velocity_range = 10, pressure_range = 4;
+
+    /// Levels with at most this many cells are held by every rank: there a message costs more than
+    /// the work it saves.
+    constexpr unsigned int replicate_below = 600;
+
+    /// x += and d = of one step of Chebyshev's iteration with diagonal D: d = c d + s D^{-1} r.
+    void
+    update(const unsigned int n,
+           const float c,
+           const float s,
+           const float *__restrict inverse_diagonal,
+           const float *__restrict f,
+           const float *__restrict product,
+           float *__restrict d,
+           float *__restrict x)
+    {
+      for (unsigned int i = 0; i < n; ++i)
+        {
+          d[i] = c * d[i] + s * inverse_diagonal[i] * (f[i] - product[i]);
+          x[i] += d[i];
+        }
+    }
+
+    /// The same with inverse blocks of the cells of a batch.
+    template <int dim>
+    void
+    update_blocks(const unsigned int n_batches,
+                  const float c,
+                  const float s,
+                  const float *blocks,
+                  const float *f,
+                  const float *product,
+                  float *d,
+                  float *x)
+    {
+      constexpr unsigned int n_pressure = dim + 1, lanes = Batch<float>::lanes;
+      for (unsigned int b = 0; b < n_batches; ++b)
+        {
+          const float *block = blocks + b * n_pressure * n_pressure * lanes;
+          float r[n_pressure][lanes];
+          for (unsigned int k = 0; k < n_pressure; ++k)
+            for (unsigned int l = 0; l < lanes; ++l)
+              r[k][l] = f[(b * n_pressure + k) * lanes + l] -
+                        (product ? product[(b * n_pressure + k) * lanes + l] : 0.f);
+          for (unsigned int k = 0; k < n_pressure; ++k)
+            {
+              float sum[lanes] = {};
+              for (unsigned int m = 0; m < n_pressure; ++m)
+                for (unsigned int l = 0; l < lanes; ++l)
+                  sum[l] += block[(k * n_pressure + m) * lanes + l] * r[m][l];
+              for (unsigned int l = 0; l < lanes; ++l)
+                {
+                  const unsigned int i = (b * n_pressure + k) * lanes + l;
+                  d[i]                 = c * d[i] + s * sum[l];
+                  x[i] += d[i];
+                }
+            }
+        }
+    }
+
+    /// Calls first(1 / theta) and then next(c, s) of Chebyshev's iteration.
+    template <class First, class Next>
+    void
+    iterate(const double lower,
+            const double upper,
+            const unsigned int degree,
+            const First &first,
+            const Next &next)
+    {
+      const double theta = (upper + lower) / 2, delta = (upper - lower) / 2;
+      double rho = delta / theta;
+      first(1 / theta);
+      for (unsigned int k = 1; k < degree; ++k)
+        {
+          const double rho_next = 1 / (2 * theta / delta - rho);
+          next(rho_next * rho, 2 * rho_next / delta);
+          rho = rho_next;
+        }
+    }
+  } // namespace
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::prepare(const EulerianSpace<dim> &space, const Coefficients &wanted)
+  {
+    const bool new_mesh = revision != space.revision();
+    if (new_mesh)
+      {
+        build_levels(space);
+        map_unknowns(space);
+        revision = space.revision();
+      }
+    const bool new_coefficients =
+      wanted.alpha != coefficients.alpha || wanted.mu != coefficients.mu;
+    coefficients = wanted;
+    if (!new_mesh && !new_coefficients)
+      return;
+
+    // Where the mass dominates, the smoother alone is a solver.
+    constexpr double well_conditioned = 10, accuracy = .05;
+    for (last_velocity = 0; true; ++last_velocity)
+      {
+        Level &level              = levels[last_velocity];
+        const auto [lower, upper] = level.mesh->spectrum(coefficients.alpha, coefficients.mu);
+        const double largest      = 1.05 * upper;
+        level.velocity_smoother   = {largest / velocity_range, largest, velocity_degree};
+        level.mesh->inverse_diagonal(coefficients.alpha,
+                                     coefficients.mu,
+                                     false,
+                                     level.inverse_diagonal);
+        direct_velocity = largest > well_conditioned * lower;
+        if (!direct_velocity)
+          {
+            const double root             = std::sqrt(largest / lower);
+            level.velocity_smoother.lower = lower;
+            level.velocity_smoother.degree =
+              std::ceil(std::log(2 / accuracy) / std::log((root + 1) / (root - 1)));
+            break;
+          }
+        if (last_velocity + 1 == levels.size())
+          {
+            factorize_velocity();
+            break;
+          }
+      }
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::build_levels(const EulerianSpace<dim> &space)
+  {
+    const MPI_Comm communicator = space.communicator();
+    const bool parallel         = dealii::Utilities::MPI::n_mpi_processes(communicator) > 1;
+    enclosed                    = space.domain().enclosed();
+
+    std::vector<Lattice<dim>> lattices{Lattice<dim>(space)};
+    std::vector<std::vector<typename Lattice<dim>::Family>> families;
+    while (lattices.back().coarsens())
+      {
+        std::vector<typename Lattice<dim>::Family> next_families;
+        lattices.push_back(lattices.back().coarsened(next_families));
+        families.push_back(std::move(next_families));
+      }
+    if (parallel && lattices.size() == 1)
+      {
+        // The coarsest level is solved by every rank alone.
+        families.emplace_back(lattices[0].cells().size());
+        for (unsigned int c = 0; c < families[0].size(); ++c)
+          families[0][c].children[0] = c;
+        lattices.push_back(lattices[0]);
+      }
+
+    levels.clear();
+    levels.resize(lattices.size());
+    bool replicated = false;
+    for (unsigned int l = 0; l < levels.size(); ++l)
+      {
+        const bool last = l + 1 == levels.size();
+        replicated      = replicated ||
+                     (parallel && l > 0 && lattices[l].cells().size() <= replicate_below) ||
+                     (last && parallel);
+        levels[l].mesh = std::make_unique<MultigridLevel<dim>>(lattices[l],
+                                                               space.domain(),
+                                                               communicator,
+                                                               replicated,
+                                                               last ? nullptr : &lattices[l + 1],
+                                                               last ? nullptr : &families[l]);
+        Level &level = levels[l];
+        for (auto *v :
+             {&level.u, &level.f, &level.velocity_product, &level.velocity_step, &level.flux})
+          level.mesh->reinit_velocity(*v);
+        for (auto *p : {&level.p, &level.g, &level.pressure_product, &level.pressure_step})
+          level.mesh->reinit_pressure(*p);
+        level.mesh->inverse_diagonal(1., 0., true, level.inverse_mass);
+        level.mesh->invert_blocks(level.inverse_mass, level.inverse_blocks);
+
+        // The largest eigenvalue of Lp with its blocks, by the power method.
+        level.mesh->fill_pressure(level.p);
+        double largest = 1;
+        for (unsigned int i = 0; i < 12; ++i)
+          {
+            const double norm = level.p.l2_norm();
+            if (i > 0)
+              largest = norm;
+            level.p /= norm;
+            apply_pressure_operator(level, level.p, level.g);
+            level.p             = 0;
+            level.pressure_step = 0;
+            update_blocks<dim>(level.mesh->n_batches(),
+                               0,
+                               1,
+                               level.inverse_blocks.begin(),
+                               level.g.begin(),
+                               nullptr,
+                               level.pressure_step.begin(),
+                               level.p.begin());
+          }
+        largest *= 1.15;
+        level.pressure_smoother = {largest / pressure_range, largest, pressure_degree};
+        if (l > 0)
+          levels[l - 1].mesh->connect(*level.mesh, lattices[l], families[l - 1], communicator);
+      }
+    factorize_pressure(space);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::map_unknowns(const EulerianSpace<dim> &space)
+  {
+    constexpr unsigned int n = EulerianSpace<dim>::n_nodes, n_pressure = dim + 1;
+    constexpr unsigned int lanes = MultigridLevel<dim>::lanes;
+    const Level &finest          = levels[0];
+    const auto &partitioner      = *space.velocity.get_partitioner();
+    const auto &constraints      = space.constraints();
+    space_velocity.assign(finest.u.locally_owned_size(), none);
+    level_velocity.assign(space.velocity.locally_owned_size(), none);
+    space_pressure.assign(finest.p.locally_owned_size(), none);
+    for (unsigned int c = 0; c < space.cells().size(); ++c)
+      {
+        const unsigned int slot   = finest.mesh->slots()[c];
+        const unsigned int *nodes = finest.mesh->nodes(slot / lanes);
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int a = 0; a < dim; ++a)
+            {
+              const unsigned int unknown = nodes[i * lanes + slot % lanes] + a;
+              const unsigned int dof     = space.velocity_dofs(c)[a * n + i];
+              if (dof < level_velocity.size() && !finest.mesh->inactive(unknown))
+                level_velocity[dof] = unknown;
+              if (unknown >= space_velocity.size() || finest.mesh->inactive(unknown) ||
+                  space_velocity[unknown] != none)
+                continue;
+              // Across a periodic boundary, two unknowns of the space are one here.
+              unsigned int master = dof;
+              const auto global   = partitioner.local_to_global(dof);
+              if (constraints.is_constrained(global))
+                master = partitioner.global_to_local(
+                  constraints.get_constraint_entries(global)->front().first);
+              space_velocity[unknown] = master;
+            }
+        for (unsigned int k = 0; k < n_pressure; ++k)
+          space_pressure[(slot / lanes * n_pressure + k) * lanes + slot % lanes] =
+            space.pressure_dofs(c)[k];
+      }
+    for (unsigned int dof = 0; dof < level_velocity.size(); ++dof)
+      if (constraints.is_constrained(partitioner.local_to_global(dof)))
+        level_velocity[dof] = none;
+  }
+
+
+  // --- the coarsest level
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::factorize_pressure(const EulerianSpace<dim> &space)
+  {
+    (void)space;
+    constexpr unsigned int n = EulerianSpace<dim>::n_nodes, n_pressure = dim + 1;
+    constexpr unsigned int lanes    = MultigridLevel<dim>::lanes;
+    const Level &level              = levels.back();
+    const MultigridLevel<dim> &mesh = *level.mesh;
+    // Of each velocity unknown, what the pressures do to it.
+    std::vector<std::vector<std::pair<unsigned int, double>>> columns(level.u.locally_owned_size());
+    for (unsigned int b = 0; b < mesh.n_batches(); ++b)
+      {
+        const auto size = mesh.cell_size(b);
+        double volume   = 1;
+        for (unsigned int a = 0; a < dim; ++a)
+          volume *= size[a];
+        for (unsigned int l = 0; l < mesh.n_filled(b); ++l)
+          for (unsigned int i = 0; i < n; ++i)
+            for (unsigned int a = 0; a < dim; ++a)
+              for (unsigned int k = 0; k < n_pressure; ++k)
+                columns[mesh.nodes(b)[i * lanes + l] + a].emplace_back(
+                  (b * n_pressure + k) * lanes + l,
+                  volume / size[a] * divergence_table<dim>.entry[a][k][i]);
+      }
+    const unsigned int n_unknowns = level.p.locally_owned_size();
+    dealii::DynamicSparsityPattern dynamic(n_unknowns);
+    for (unsigned int i = 0; i < n_unknowns; ++i)
+      dynamic.add(i, i);
+    for (const auto &column : columns)
+      for (const auto &[row, unused] : column)
+        for (const auto &[other, unused_too] : column)
+          dynamic.add(row, other);
+    dealii::SparsityPattern pattern;
+    pattern.copy_from(dynamic);
+    dealii::SparseMatrix<double> matrix(pattern);
+    for (unsigned int v = 0; v < columns.size(); ++v)
+      for (const auto &[row, value] : columns[v])
+        for (const auto &[other, other_value] : columns[v])
+          matrix.add(row, other, level.inverse_mass.local_element(v) * value * other_value);
+    // In an enclosed flow constants are in the kernel, on very coarse meshes more; and there are
+    // places without cells.
+    double largest = 0;
+    for (unsigned int i = 0; i < n_unknowns; ++i)
+      largest = std::max(largest, matrix(i, i));
+    for (unsigned int i = 0; i < n_unknowns; ++i)
+      matrix.add(i, i, matrix(i, i) > 0 ? 1e-9 * largest : largest);
+    pressure_factor = std::make_unique<dealii::SparseDirectUMFPACK>();
+    pressure_factor->initialize(matrix);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::factorize_velocity()
+  {
+    constexpr unsigned int n        = EulerianSpace<dim>::n_nodes;
+    constexpr unsigned int lanes    = MultigridLevel<dim>::lanes;
+    const Level &level              = levels.back();
+    const MultigridLevel<dim> &mesh = *level.mesh;
+    const unsigned int n_unknowns   = level.u.locally_owned_size();
+    dealii::DynamicSparsityPattern dynamic(n_unknowns);
+    for (unsigned int i = 0; i < n_unknowns; ++i)
+      dynamic.add(i, i);
+    const auto for_entries = [&](const auto &action) {
+      for (unsigned int b = 0; b < mesh.n_batches(); ++b)
+        {
+          const CellFactors<dim, double> factors(mesh.cell_size(b),
+                                                 coefficients.alpha,
+                                                 coefficients.mu);
+          double matrix[n][n];
+          for (unsigned int j = 0; j < n; ++j)
+            {
+              double unit_vector[n] = {};
+              unit_vector[j]        = 1;
+              feib::apply_helmholtz<dim>(factors, unit_vector, matrix[j]);
+            }
+          for (unsigned int l = 0; l < mesh.n_filled(b); ++l)
+            for (unsigned int i = 0; i < n; ++i)
+              for (unsigned int j = 0; j < n; ++j)
+                for (unsigned int a = 0; a < dim; ++a)
+                  {
+                    const unsigned int row    = mesh.nodes(b)[i * lanes + l] + a,
+                                       column = mesh.nodes(b)[j * lanes + l] + a;
+                    if (!mesh.inactive(row) && !mesh.inactive(column))
+                      action(row, column, matrix[i][j]);
+                  }
+        }
+    };
+    for_entries([&](const auto row, const auto column, double) { dynamic.add(row, column); });
+    dealii::SparsityPattern pattern;
+    pattern.copy_from(dynamic);
+    dealii::SparseMatrix<double> matrix(pattern);
+    for_entries([&](const auto row, const auto column, const double value) {
+      matrix.add(row, column, value);
+    });
+    for (unsigned int i = 0; i < n_unknowns; ++i)
+      if (mesh.inactive(i))
+        matrix.set(i, i, 1.);
+    velocity_factor = std::make_unique<dealii::SparseDirectUMFPACK>();
+    velocity_factor->initialize(matrix);
+  }
+
+
+  // --- cycles
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::apply_pressure_operator(Level &level,
+                                                const LevelVector<float> &p,
+                                                LevelVector<float> &result) const
+  {
+    level.mesh->apply_gradient(p, level.flux);
+    const unsigned int n = level.flux.locally_owned_size();
+    float *flux          = level.flux.begin();
+    const float *weight  = level.inverse_mass.begin();
+    for (unsigned int i = 0; i < n; ++i)
+      flux[i] *= weight[i];
+    level.mesh->expand(level.flux);
+    level.mesh->apply_divergence(level.flux, result);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::smooth_velocity(Level &level,
+                                        const Chebyshev &smoother,
+                                        const bool from_zero) const
+  {
+    const unsigned int n = level.u.locally_owned_size();
+    const auto step      = [&](const double c, const double s) {
+      level.mesh->expand(level.u);
+      level.mesh->apply_helmholtz(coefficients.alpha,
+                                  coefficients.mu,
+                                  level.u,
+                                  level.velocity_product);
+      update(n,
+             c,
+             s,
+             level.inverse_diagonal.begin(),
+             level.f.begin(),
+             level.velocity_product.begin(),
+             level.velocity_step.begin(),
+             level.u.begin());
+    };
+    iterate(
+      smoother.lower,
+      smoother.upper,
+      smoother.degree,
+      [&](const double s) {
+        if (!from_zero)
+          return step(0, s);
+        const float *inverse = level.inverse_diagonal.begin(), *f = level.f.begin();
+        float *d = level.velocity_step.begin(), *u = level.u.begin();
+        for (unsigned int i = 0; i < n; ++i)
+          u[i] = d[i] = float(s) * inverse[i] * f[i];
+      },
+      step);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::smooth_pressure(Level &level,
+                                        const Chebyshev &smoother,
+                                        const bool from_zero) const
+  {
+    const auto update = [&](const double c, const double s, const float *product) {
+      update_blocks<dim>(level.mesh->n_batches(),
+                         c,
+                         s,
+                         level.inverse_blocks.begin(),
+                         level.g.begin(),
+                         product,
+                         level.pressure_step.begin(),
+                         level.p.begin());
+    };
+    const auto step = [&](const double c, const double s) {
+      apply_pressure_operator(level, level.p, level.pressure_product);
+      update(c, s, level.pressure_product.begin());
+    };
+    iterate(
+      smoother.lower,
+      smoother.upper,
+      smoother.degree,
+      [&](const double s) {
+        if (!from_zero)
+          return step(0, s);
+        level.p             = 0;
+        level.pressure_step = 0;
+        update(0, s, nullptr);
+      },
+      step);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::velocity_cycle(const unsigned int l)
+  {
+    Level &level = levels[l];
+    if (l == last_velocity && direct_velocity)
+      {
+        dealii::Vector<double> values(level.f.locally_owned_size());
+        std::copy_n(level.f.begin(), values.size(), values.begin());
+        velocity_factor->solve(values);
+        std::copy_n(values.begin(), values.size(), level.u.begin());
+        return;
+      }
+    smooth_velocity(level, level.velocity_smoother, true);
+    if (l == last_velocity)
+      return;
+    Level &coarse = levels[l + 1];
+    level.mesh->expand(level.u);
+    level.mesh->apply_helmholtz(coefficients.alpha,
+                                coefficients.mu,
+                                level.u,
+                                level.velocity_product);
+    const unsigned int n = level.u.locally_owned_size();
+    for (unsigned int i = 0; i < n; ++i)
+      level.velocity_product.begin()[i] = level.f.begin()[i] - level.velocity_product.begin()[i];
+    level.mesh->restrict_velocity(level.velocity_product, coarse.f);
+    coarse.mesh->condense(coarse.f);
+    velocity_cycle(l + 1);
+    coarse.mesh->expand(coarse.u);
+    level.mesh->prolongate_velocity(coarse.u, level.u);
+    smooth_velocity(level, level.velocity_smoother, false);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::pressure_cycle(const unsigned int l)
+  {
+    constexpr unsigned int n_pressure = dim + 1, lanes = MultigridLevel<dim>::lanes;
+    Level &level = levels[l];
+    if (l + 1 == levels.size())
+      {
+        dealii::Vector<double> values(level.g.locally_owned_size());
+        std::copy_n(level.g.begin(), values.size(), values.begin());
+        if (enclosed)
+          {
+            // The sum over all cells vanishes up to round-off.
+            double sum = 0, n_cells = 0;
+            for (const double number : {0., 1.})
+              for (unsigned int b = 0; b < level.mesh->n_batches(); ++b)
+                for (unsigned int k = 0; k < level.mesh->n_filled(b); ++k)
+                  if (number == 0)
+                    {
+                      sum += values[b * n_pressure * lanes + k];
+                      n_cells += 1;
+                    }
+                  else
+                    values[b * n_pressure * lanes + k] -= sum / n_cells;
+          }
+        pressure_factor->solve(values);
+        std::copy_n(values.begin(), values.size(), level.p.begin());
+        return;
+      }
+    smooth_pressure(level, level.pressure_smoother, true);
+    Level &coarse = levels[l + 1];
+    apply_pressure_operator(level, level.p, level.pressure_product);
+    const unsigned int n = level.p.locally_owned_size();
+    for (unsigned int i = 0; i < n; ++i)
+      level.pressure_product.begin()[i] = level.g.begin()[i] - level.pressure_product.begin()[i];
+    level.mesh->restrict_pressure(level.pressure_product, coarse.g);
+    pressure_cycle(l + 1);
+    level.mesh->prolongate_pressure(coarse.p, level.p);
+    smooth_pressure(level, level.pressure_smoother, false);
+  }
+
+
+  // --- vectors of the space
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::import_velocity(const VelocityVector &from, LevelVector<float> &to) const
+  {
+    from.update_ghost_values();
+    for (unsigned int i = 0; i < space_velocity.size(); ++i)
+      to.begin()[i] = space_velocity[i] == none ? 0. : from.begin()[space_velocity[i]];
+    from.zero_out_ghost_values();
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::export_velocity(const LevelVector<float> &from, VelocityVector &to) const
+  {
+    from.update_ghost_values();
+    to.zero_out_ghost_values();
+    for (unsigned int i = 0; i < level_velocity.size(); ++i)
+      to.begin()[i] = level_velocity[i] == none ? 0. : from.begin()[level_velocity[i]];
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::import_pressure(const PressureVector &from,
+                                        const float factor,
+                                        LevelVector<float> &to) const
+  {
+    for (unsigned int i = 0; i < space_pressure.size(); ++i)
+      to.begin()[i] = space_pressure[i] == none ? 0. : factor * from.begin()[space_pressure[i]];
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::export_pressure(const LevelVector<float> &from, PressureVector &to) const
+  {
+    to.zero_out_ghost_values();
+    for (unsigned int i = 0; i < space_pressure.size(); ++i)
+      if (space_pressure[i] != none)
+        to.begin()[space_pressure[i]] = from.begin()[i];
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::solve(const VelocityVector &f,
+                              const PressureVector &g,
+                              VelocityVector &u,
+                              PressureVector &p)
+  {
+    Level &finest = levels[0];
+    import_pressure(g, -1, finest.g);
+    // alpha Lp^{-1} g + mu Mp^{-1} g
+    if (coefficients.alpha > 0)
+      {
+        pressure_cycle(0);
+        finest.p *= coefficients.alpha;
+      }
+    else
+      finest.p = 0;
+    finest.mesh->add_inverse_pressure_mass(coefficients.mu, finest.g, finest.p);
+
+    finest.mesh->apply_gradient(finest.p, finest.flux);
+    import_velocity(f, finest.f);
+    finest.f += finest.flux;
+    velocity_cycle(0);
+    export_velocity(finest.u, u);
+
+    // (grad u^T, grad v) and (div u, div v) are the same away from the boundary, and as far as the
+    // pressures can tell they add (nu + gamma) Mp^{-1} B u to the pressure.
+    if (coefficients.nu + coefficients.gamma > 0)
+      {
+        finest.mesh->expand(finest.u);
+        finest.mesh->apply_divergence(finest.u, finest.g);
+        finest.mesh->add_inverse_pressure_mass(coefficients.nu + coefficients.gamma,
+                                               finest.g,
+                                               finest.p);
+      }
+    export_pressure(finest.p, p);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::solve_pressure(const PressureVector &g, PressureVector &p)
+  {
+    import_pressure(g, 1, levels[0].g);
+    pressure_cycle(0);
+    export_pressure(levels[0].p, p);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::solve_velocity(const VelocityVector &f, VelocityVector &u)
+  {
+    import_velocity(f, levels[0].f);
+    velocity_cycle(0);
+    export_velocity(levels[0].u, u);
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::divide_by_mass(VelocityVector &v)
+  {
+    Level &finest = levels[0];
+    import_velocity(v, finest.u);
+    for (unsigned int i = 0; i < finest.u.locally_owned_size(); ++i)
+      finest.u.begin()[i] *= finest.inverse_mass.begin()[i];
+    export_velocity(finest.u, v);
+  }
+
+
+  template <int dim>
+  std::string
+  StokesMultigrid<dim>::describe() const
+  {
+    std::ostringstream text;
+    text << levels.size() << (levels.size() == 1 ? " level" : " levels") << ", of velocity "
+         << last_velocity + 1 << (direct_velocity ? "" : " (dominated by mass there)");
+    return text.str();
+  }
+
+
+  template class StokesMultigrid<2>;
+  template class StokesMultigrid<3>;
+} // namespace feib

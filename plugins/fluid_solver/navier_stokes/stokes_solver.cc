@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "stokes_solver.h"
+
+#include <feib/error.h>
+#include <feib/log.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/la_parallel_block_vector.h>
+#include <deal.II/lac/solver_control.h>
+#include <deal.II/lac/solver_gmres.h>
+
+#include <iomanip>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    using BlockVector = dealii::LinearAlgebra::distributed::BlockVector<double>;
+
+    /// The matrix, with the second row times a weight.
+    template <int dim>
+    struct Jacobian
+    {
+      const typename StokesSolver<dim>::Equations &equations;
+      double weight;
+
+      void
+      vmult(BlockVector &dst, const BlockVector &src) const
+      {
+        const EulerianSpace<dim> &space = equations.space;
+        VelocityVector v                = space.make_velocity();
+        v.copy_locally_owned_data_from(src.block(0));
+        space.distribute(v, true);
+        VelocityVector &result = dst.block(0);
+        PressureVector &g      = dst.block(1);
+        result                 = 0.;
+        g                      = 0.;
+        equations.operators.subtract_stokes(equations.rate, v, src.block(1), result, g);
+        if (equations.velocity)
+          {
+            equations.operators.add_convection(-1., v, *equations.velocity, result);
+            equations.operators.add_convection(-1., *equations.velocity, v, result);
+          }
+        result.compress(dealii::VectorOperation::add);
+        g.compress(dealii::VectorOperation::add);
+        result *= -1.;
+        if (equations.load)
+          equations.load->apply(result, v);
+        space.condense(result);
+        g *= -weight;
+      }
+    };
+
+    /// The blocks with convection in them, for large steps: the velocity's with a few iterations of
+    /// GMRES around the cycle without convection, and the least-squares commutator of Elman, Howle,
+    /// Shadid, Shuttleworth and Tuminaro (2006) for the Schur complement,
+    ///   S^{-1} = Lp^{-1} (B Ml^{-1} F Ml^{-1} B^T) Lp^{-1}.
+    template <int dim>
+    struct ConvectiveBlocks
+    {
+      const typename StokesSolver<dim>::Equations &equations;
+      StokesMultigrid<dim> &multigrid;
+
+      /// dst = F src
+      void
+      vmult(VelocityVector &dst, const VelocityVector &src) const
+      {
+        VelocityVector v = equations.space.make_velocity();
+        v.copy_locally_owned_data_from(src);
+        equations.space.distribute(v, true);
+        dst = 0.;
+        equations.operators.add_velocity_form(equations.rate, 1., v, dst);
+        equations.operators.add_convection(1., v, *equations.velocity, dst);
+        equations.operators.add_convection(1., *equations.velocity, v, dst);
+        dst.compress(dealii::VectorOperation::add);
+        equations.space.condense(dst);
+      }
+
+      /// r = B^T p, condensed
+      void
+      apply_gradient(const PressureVector &p, VelocityVector &r) const
+      {
+        r = 0.;
+        equations.operators.add_gradient(p, r);
+        r.compress(dealii::VectorOperation::add);
+        equations.space.condense(r);
+      }
+
+      void
+      solve(const VelocityVector &f, const PressureVector &g, VelocityVector &u, PressureVector &p)
+      {
+        const EulerianSpace<dim> &space = equations.space;
+        VelocityVector v = space.make_velocity(), w = space.make_velocity();
+        PressureVector q = space.make_pressure();
+        multigrid.solve_pressure(g, p);
+        apply_gradient(p, v);
+        multigrid.divide_by_mass(v);
+        vmult(w, v);
+        multigrid.divide_by_mass(w);
+        space.distribute(w, true);
+        equations.operators.add_divergence(w, q);
+        q.compress(dealii::VectorOperation::add);
+        multigrid.solve_pressure(q, p);
+        p *= -1.;
+
+        apply_gradient(p, v);
+        v += f;
+        constexpr unsigned int most = 30;
+        dealii::IterationNumberControl control(most, .1 * v.l2_norm(), false, false);
+        dealii::SolverFGMRES<VelocityVector> gmres(
+          control, dealii::SolverFGMRES<VelocityVector>::AdditionalData(most));
+        struct Cycle
+        {
+          StokesMultigrid<dim> &multigrid;
+          void
+          vmult(VelocityVector &dst, const VelocityVector &src) const
+          {
+            multigrid.solve_velocity(src, dst);
+          }
+        };
+        u = 0.;
+        gmres.solve(*this, u, v, Cycle{multigrid});
+      }
+    };
+
+    /// The inverse, or something like it.
+    template <class Inverse>
+    struct Preconditioner
+    {
+      Inverse &inverse;
+      double weight;
+
+      void
+      vmult(BlockVector &dst, const BlockVector &src) const
+      {
+        PressureVector g = src.block(1);
+        g /= weight;
+        inverse.solve(src.block(0), g, dst.block(0), dst.block(1));
+      }
+    };
+
+    std::string
+    history(const std::vector<double> &residuals, const double initial)
+    {
+      std::ostringstream text;
+      text << std::setprecision(2);
+      const unsigned int stride = std::max<unsigned int>(1, residuals.size() / 12);
+      for (unsigned int i = 0; i < residuals.size(); i += stride)
+        text << (i > 0 ? ", " : "") << residuals[i] / initial;
+      if ((residuals.size() - 1) % stride != 0)
+        text << ", " << residuals.back() / initial;
+      return text.str();
+    }
+  } // namespace
+
+
+  template <int dim>
+  typename StokesSolver<dim>::Method
+  StokesSolver<dim>::choose(const Equations &equations) const
+  {
+    if (wanted != Method::automatic)
+      return wanted;
+    // Where the factorisation is cheap, and where multigrid lacks what is in the matrix.
+    const auto n_cells              = equations.space.triangulation().n_global_active_cells();
+    constexpr unsigned int small    = dim == 2 ? 600 : 64;
+    constexpr unsigned int bearable = dim == 2 ? 20000 : 1000;
+    const auto &terms               = equations.operators.terms();
+    const bool lacking =
+      equations.load || terms.grad_div > 10 * terms.mu || equations.operators.reconstructs();
+    return n_cells <= (lacking ? bearable : small) ? Method::direct : Method::multigrid;
+  }
+
+
+  template <int dim>
+  void
+  StokesSolver<dim>::prepare(const Equations &equations)
+  {
+    const Method chosen = choose(equations);
+    // The last step of a run may differ from the others by round-off only.
+    const bool same = revision == equations.space.revision() && operators == &equations.operators &&
+                      std::abs(rate - equations.rate) <= 1e-10 * rate;
+    if (same && chosen == method)
+      return;
+    const auto &terms = equations.operators.terms();
+    if (chosen == Method::multigrid)
+      multigrid.prepare(
+        equations.space,
+        {terms.rho * equations.rate, terms.mu, terms.symmetric ? terms.mu : 0., terms.grad_div});
+    if (chosen != method)
+      log::info(chosen == Method::direct ? "linear solver: direct"
+                                         : "linear solver: multigrid, " + multigrid.describe());
+    method                 = chosen;
+    revision               = equations.space.revision();
+    rate                   = equations.rate;
+    operators              = &equations.operators;
+    factor_outdated        = true;
+    factor_with_convection = false;
+  }
+
+
+  template <int dim>
+  void
+  StokesSolver<dim>::factorize(const Equations &equations)
+  {
+    constexpr unsigned int n_u = FluidOperators<dim>::n_u, n_p = FluidOperators<dim>::n_p;
+    const VelocityVector *w       = factor_with_convection ? equations.velocity : nullptr;
+    const ImplicitLoad<dim> *load = factor_with_load ? equations.load : nullptr;
+    std::map<unsigned int, std::vector<double>> of_level;
+    direct.factorize(
+      equations.space,
+      [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
+        std::vector<double> &velocity = of_level[equations.space.cells()[c].level];
+        if (velocity.empty() || w)
+          velocity = equations.operators.velocity_matrix(equations.space, c, equations.rate, w);
+        const std::vector<double> &divergence =
+          equations.operators.divergence_matrix(equations.space, c);
+        for (unsigned int i = 0; i < n_u; ++i)
+          for (unsigned int j = 0; j < n_u; ++j)
+            matrix(i, j) = velocity[i * n_u + j];
+        for (unsigned int k = 0; k < n_p; ++k)
+          for (unsigned int j = 0; j < n_u; ++j)
+            matrix(n_u + k, j) = matrix(j, n_u + k) = -divergence[k * n_u + j];
+      },
+      w == nullptr,
+      load ? load->matrix() : std::vector<typename ImplicitLoad<dim>::Product>());
+    factor_outdated = false;
+    excess          = 0;
+    last_uses       = uses;
+    uses            = 0;
+  }
+
+
+  template <int dim>
+  unsigned int
+  StokesSolver<dim>::solve(const Equations &equations,
+                           const VelocityVector &r,
+                           const PressureVector &g,
+                           const double weight,
+                           const double target,
+                           VelocityVector &du,
+                           PressureVector &dp)
+  {
+    prepare(equations);
+    if (method == Method::direct)
+      {
+        // Rent or buy: a factorisation costs about as much as this many solutions with it. Once so
+        // many were spent on the lack of the implicit load, or on the load of an old geometry, it
+        // pays.
+        constexpr unsigned int price = 30;
+        if (excess > price)
+          factor_outdated = factor_with_load = true;
+        if (factor_outdated)
+          factorize(equations);
+        if (!equations.velocity && !equations.load)
+          {
+            direct.solve(r, g, du, dp);
+            return 1;
+          }
+      }
+
+    BlockVector right_hand_side(2), solution(2);
+    right_hand_side.block(0).reinit(r, true);
+    right_hand_side.block(1).reinit(g, true);
+    right_hand_side.collect_sizes();
+    right_hand_side.block(0).copy_locally_owned_data_from(r);
+    right_hand_side.block(1).copy_locally_owned_data_from(g);
+    right_hand_side.block(1) *= weight;
+    solution.reinit(right_hand_side);
+
+    // Past this many iterations a factorisation is too old, or lacks too much. One that served no
+    // second step will hardly be followed by one that does.
+    constexpr unsigned int usual = 3;
+    const unsigned int stalled   = method == Method::multigrid  ? 300
+                                   : uses > 0 && last_uses == 1 ? 8
+                                                                : 30;
+    // With convection beyond this CFL number, the blocks without it lose their grip.
+    constexpr double moderate = 1;
+    const bool convective =
+      method == Method::multigrid && equations.velocity &&
+      equations.operators.cfl_rate(*equations.velocity) > moderate * equations.rate;
+    const Jacobian<dim> jacobian{equations, weight};
+    unsigned int total = 0;
+    for (const bool last_try : {method == Method::multigrid, true})
+      {
+        dealii::SolverControl control(last_try && method == Method::direct ? 10 * stalled : stalled,
+                                      target,
+                                      false,
+                                      false);
+        control.enable_history_data();
+        dealii::SolverFGMRES<BlockVector> fgmres(
+          control,
+          typename dealii::SolverFGMRES<BlockVector>::AdditionalData(method == Method::multigrid
+                                                                       ? 40
+                                                                     : last_try ? 100
+                                                                                : stalled));
+        try
+          {
+            if (convective)
+              {
+                ConvectiveBlocks<dim> blocks{equations, multigrid};
+                fgmres.solve(jacobian,
+                             solution,
+                             right_hand_side,
+                             Preconditioner<ConvectiveBlocks<dim>>{blocks, weight});
+              }
+            else if (method == Method::multigrid)
+              fgmres.solve(jacobian,
+                           solution,
+                           right_hand_side,
+                           Preconditioner<StokesMultigrid<dim>>{multigrid, weight});
+            else
+              fgmres.solve(jacobian,
+                           solution,
+                           right_hand_side,
+                           Preconditioner<DirectSolver<dim>>{direct, weight});
+            total += control.last_step();
+            if (equations.load && control.last_step() > usual)
+              excess += control.last_step() - usual;
+            break;
+          }
+        catch (const dealii::SolverControl::NoConvergence &failure)
+          {
+            total += failure.last_step;
+            if (last_try)
+              throw RunFailure("the linear solver (" +
+                               std::string(method == Method::multigrid ? "multigrid" : "direct") +
+                               ") stopped after " + std::to_string(total) +
+                               " iterations; its residuals, relative "
+                               "to the first: " +
+                               history(control.get_history_data(), right_hand_side.l2_norm()) +
+                               (method == Method::multigrid
+                                  ? "; try \"linear_solver\": \"direct\", or a smaller step"
+                                  : ""));
+            log::debug(
+              "factorising the fluid matrix anew, with all there is; the last one served " +
+              std::to_string(uses) + " solutions");
+            factor_with_load       = equations.load != nullptr;
+            factor_with_convection = equations.velocity != nullptr;
+            factorize(equations);
+            solution = 0.;
+          }
+      }
+    ++uses;
+    du.copy_locally_owned_data_from(solution.block(0));
+    dp.copy_locally_owned_data_from(solution.block(1));
+    return total;
+  }
+
+
+  template class StokesSolver<2>;
+  template class StokesSolver<3>;
+} // namespace feib
