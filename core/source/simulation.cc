@@ -187,8 +187,17 @@ namespace feib
       collect(issues, [&] {
         refinement = parameters.child("refinement").template create<RefinementStrategy<dim>>();
       });
+      std::set<std::string> output_names;
       for (const Parameters &output : parameters.children("output"))
-        collect(issues, [&] { writers.push_back(output.template create<OutputWriter<dim>>()); });
+        collect(issues, [&] {
+          writers.push_back(output.template create<OutputWriter<dim>>());
+          const auto [component, block] = output.choice();
+          if (block.has("name") &&
+              !output_names.insert(component + " " + block.string("name")).second)
+            block.fail("name",
+                       "found \"" + block.string("name") + "\" a second time; every " + component +
+                         " needs a name of its own");
+        });
 
       if (parameters.has("exact"))
         {

@@ -168,6 +168,15 @@ TEST_F(BadInput, NamesOfStructuresThatClash)
           {"case.json:8:29: error: /structures/1/hyperelastic/name: found \"a\" a second time"});
 }
 
+TEST_F(BadInput, TwoOutputsOfOneName)
+{
+  const std::string probe =
+    R"({ "probe": { "name": "a", "at": { "points": { "places": [[0, 0]] } } } })";
+  refused(changed("\"structures\": []", "\"output\": [" + probe + ",\n" + probe + "]"),
+          {"case.json:6:22: error: /output/1/probe/name: found \"a\" a second time; every probe "
+           "needs a name of its own"});
+}
+
 TEST_F(BadInput, InvertedElements)
 {
   refused(

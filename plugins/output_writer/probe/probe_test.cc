@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../output_test.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace
+{
+  using namespace feib;
+  using feib::testing::TemporaryFolder;
+
+  using Row = std::vector<double>;
+
+  /// The header, then rows of numbers.
+  std::string
+  read_table(const std::string &text, std::vector<Row> &rows)
+  {
+    std::istringstream lines(text);
+    std::string header, line, field;
+    std::getline(lines, header);
+    while (std::getline(lines, line))
+      {
+        std::istringstream fields(line);
+        rows.emplace_back();
+        while (std::getline(fields, field, ','))
+          rows.back().push_back(std::strtod(field.c_str(), nullptr));
+      }
+    return header;
+  }
+
+  template <int dim>
+  void
+  check_values(const std::string &at, const std::vector<dealii::Point<dim>> &points)
+  {
+    const TemporaryFolder folder;
+    const auto space = feib::testing::make_state<dim>();
+    const std::vector<ImmersedStructure<dim>> structures;
+    const Ledger ledger;
+    const auto writer =
+      feib::testing::registry().create<OutputWriter<dim>>("probe",
+                                                          R"({"name": "a_1", "at": )" + at + "}");
+    writer->write({0, 0., folder.path, *space, structures, ledger});
+    writer->write({3, .25, folder.path, *space, structures, ledger});
+
+    std::vector<Row> rows;
+    EXPECT_EQ(read_table(folder.read("probe_a_1.csv"), rows),
+              dim == 2 ? "step,time,point,x,y,velocity_x,velocity_y,pressure"
+                       : "step,time,point,x,y,z,velocity_x,velocity_y,velocity_z,pressure");
+    ASSERT_EQ(rows.size(), 2 * points.size());
+    for (unsigned int i = 0; i < rows.size(); ++i)
+      {
+        const Row &row                     = rows[i];
+        const unsigned int p               = i % points.size();
+        const dealii::Point<dim> &point    = points[p];
+        const dealii::Tensor<1, dim> exact = feib::testing::exact_velocity<dim>(point);
+        ASSERT_EQ(row.size(), 3 + 2 * dim + 1);
+        EXPECT_EQ(row[0], i < points.size() ? 0 : 3);
+        EXPECT_EQ(row[1], i < points.size() ? 0 : .25);
+        EXPECT_EQ(row[2], p);
+        for (unsigned int a = 0; a < dim; ++a)
+          {
+            EXPECT_NEAR(row[3 + a], point[a], 1e-15);
+            EXPECT_NEAR(row[3 + dim + a], exact[a], 1e-13);
+          }
+        EXPECT_NEAR(row[3 + 2 * dim], feib::testing::exact_pressure<dim>(point), 1e-13);
+      }
+    // No rank starts the next case while another still reads.
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+
+  /// The message of the error that the block of a probe in two dimensions must cause.
+  std::string
+  refusal(const std::string &block)
+  {
+    try
+      {
+        feib::testing::registry().create<OutputWriter<2>>("probe", block);
+      }
+    catch (const Error &error)
+      {
+        return error.what();
+      }
+    return "";
+  }
+
+  TEST(Probe, FieldsOfTheSpacesComeBackExactlyOnAnyNumberOfRanks)
+  {
+    using dealii::Point;
+    // In cells of both levels, on faces between them, at corners of the box.
+    check_values<2>(
+      R"({"points": {"places": [[0.1, 0.2], [0.5, 0.3], [0.77, 0.9], [0, 0], [1, 1]]}})",
+      {Point<2>(.1, .2), Point<2>(.5, .3), Point<2>(.77, .9), Point<2>(), Point<2>(1, 1)});
+    check_values<3>(R"({"points": {"places": [[0.1, 0.2, 0.3], [1, 0.5, 0]]}})",
+                    {Point<3>(.1, .2, .3), Point<3>(1, .5, 0)});
+
+    std::vector<Point<2>> points;
+    for (unsigned int i = 0; i < 8; ++i)
+      points.emplace_back(i / 7., 1);
+    check_values<2>(R"({"segment": {"from": [0, 1], "to": [1, 1], "points": 8}})", points);
+    check_values<3>(R"({"segment": {"from": [0, 0, 0], "to": [1, 1, 1], "points": 3}})",
+                    {Point<3>(), Point<3>(.5, .5, .5), Point<3>(1, 1, 1)});
+  }
+
+  TEST(Probe, WhatCannotBeIsRefused)
+  {
+    EXPECT_NE(refusal(R"({"name": "a", "at": {"points": {"places": [[0, 0], [1, 2, 3]]}}})")
+                .find("found 3"),
+              std::string::npos);
+    EXPECT_NE(refusal(R"({"name": "a", "at": {"segment": {"from": [0, 0, 0], "to": [1, 1],)"
+                      R"( "points": 2}}})")
+                .find("the dimension is 2"),
+              std::string::npos);
+    EXPECT_NE(refusal(R"({"name": "../a", "at": {"points": {"places": [[0, 0]]}}})")
+                .find("letters, digits and _"),
+              std::string::npos);
+  }
+
+  struct Fixture
+  {
+    explicit Fixture(const std::string &place)
+      : writer(feib::testing::registry().create<OutputWriter<2>>(
+          "probe",
+          R"({"name": "a", "at": {"points": {"places": [)" + place + "]}}}"))
+    {}
+
+    std::string
+    failure()
+    {
+      return feib::testing::failure_of([&] {
+        writer->write({0, 0., folder.path, *space, structures, ledger});
+      });
+    }
+
+    TemporaryFolder folder;
+    std::unique_ptr<EulerianSpace<2>> space = feib::testing::make_space<2>(R"({"cells": [2, 2]})");
+    std::vector<ImmersedStructure<2>> structures;
+    Ledger ledger;
+    std::unique_ptr<OutputWriter<2>> writer;
+  };
+
+  TEST(Probe, APointOutsideTheBoxIsAFailureOnAllRanks)
+  {
+    Fixture f("[0.5, 1.5]");
+    EXPECT_EQ(f.failure(), "the probe \"a\" is not inside the box: (0.5 1.5)");
+  }
+
+  TEST(Probe, AFullDiskIsAFailureOnAllRanks)
+  {
+    Fixture f("[0.5, 0.5]");
+    f.folder.make_full("probe_a.csv");
+    const std::string message = f.failure();
+    EXPECT_NE(message.find(f.folder.path + "/probe_a.csv"), std::string::npos) << message;
+    EXPECT_NE(message.find("No space left"), std::string::npos) << message;
+  }
+} // namespace
