@@ -68,7 +68,8 @@ namespace
       , mesh(feib::testing::make_simplex_mesh<dim>(dim, dim == 2 ? 12 : 4))
       , fluid(feib::testing::registry().create<FluidSolver<dim>>(
           "navier_stokes",
-          "{\"density\": 1, \"viscosity\": 0.01, \"convection\": \"none\"}"))
+          "{\"density\": 1, \"viscosity\": 0.01, \"convection\": \"none\", "
+          "\"linear_solver\": \"direct\"}"))
     {
       if (!body)
         mesh = boundary(mesh);

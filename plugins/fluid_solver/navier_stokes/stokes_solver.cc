@@ -166,9 +166,12 @@ namespace feib
     const auto n_cells              = equations.space.triangulation().n_global_active_cells();
     constexpr unsigned int small    = dim == 2 ? 600 : 64;
     constexpr unsigned int bearable = dim == 2 ? 20000 : 1000;
+    constexpr double large_cfl      = 8;
     const auto &terms               = equations.operators.terms();
-    const bool lacking =
-      equations.load || terms.grad_div > 10 * terms.mu || equations.operators.reconstructs();
+    const bool lacking              = equations.load || terms.grad_div > 10 * terms.mu ||
+                         equations.operators.reconstructs() ||
+                         (equations.velocity && equations.operators.cfl_rate(*equations.velocity) >
+                                                  large_cfl * equations.rate);
     return n_cells <= (lacking ? bearable : small) ? Method::direct : Method::multigrid;
   }
 
