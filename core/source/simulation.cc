@@ -277,7 +277,7 @@ namespace feib
     {
       if (refinement->interval() == 0 || step % refinement->interval() != 0)
         return;
-      const double before           = fluid->balance(*space).kinetic_energy;
+      const double before                  = fluid->balance(*space).kinetic_energy;
       const Clock::time_point remesh_start = Clock::now();
       if (!adapt())
         return;
@@ -691,12 +691,18 @@ namespace feib
           n += dim * structure.model->mesh().n_nodes();
         structure_unknowns = n;
       }
-      result["unknowns"]   = {{"velocity", space->velocity_handler().n_dofs()},
-                              {"pressure", space->pressure_handler().n_dofs()},
-                              {"structures", structure_unknowns}};
-      result["cells"]      = space->triangulation().n_global_active_cells();
-      const double steps   = std::max(1u, step);
-      result["iterations"] = {{"linear_mean", totals.linear_iterations / steps},
+      result["unknowns"] = {{"velocity", space->velocity_handler().n_dofs()},
+                            {"pressure", space->pressure_handler().n_dofs()},
+                            {"structures", structure_unknowns}};
+      result["cells"]    = space->triangulation().n_global_active_cells();
+      const double steps = std::max(1u, step);
+      // From a cold start, and with solutions to extrapolate.
+      const auto iterations_of = [&](const unsigned int row) {
+        return row > 0 && row < ledger.n_rows() ? ledger.value("linear_iterations", row) : 0.;
+      };
+      result["iterations"] = {{"linear_first", iterations_of(1)},
+                              {"linear_last", iterations_of(ledger.n_rows() - 1)},
+                              {"linear_mean", totals.linear_iterations / steps},
                               {"nonlinear_mean", totals.nonlinear_iterations / steps},
                               {"geometry_mean", totals.geometry_iterations / steps}};
       result["retries"]    = retries;

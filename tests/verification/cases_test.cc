@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Runs every case with the settings of its expected.json and compares summary.json with what is
-// expected there: {"settings": {"/pointer": value}, "expect": {"/pointer": {"is": v} | {"at_most":
-// v} |
-// {"at_least": v} | {"near": v, "within": w}}}.
+// expected there: {"settings": {"/pointer": value}, "expect": {"/pointer": {"is": v} |
+// {"at_most": v} | {"at_least": v} | {"near": v, "within": w}}}. And its first steps with both
+// linear solvers.
 #include "support/run_host.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
 
 namespace
 {
@@ -63,6 +66,61 @@ TEST_P(Cases, AsExpected)
                     rule.at("within").get<double>())
           << pointer;
     }
+}
+
+TEST_P(Cases, BothLinearSolversGiveTheSameSteps)
+{
+  const std::string folder = FEIB_SOURCE "/cases/" + GetParam();
+  std::ifstream file(folder + "/case.json");
+  const Json description = Json::parse(file, nullptr, true, true);
+  // Steps of 10^4 on the way to a steady cavity are beyond multigrid.
+  const double dt = GetParam() == "lid_driven_cavity" ? .02 : double(description["time"]["step"]);
+  std::ostringstream settings;
+  settings << " --set /time/step=" << dt << " --set /time/end=" << 3 * dt
+           << " --set /fluid/navier_stokes/tolerance=1e-11 "
+              "--set '/output=[{\"ledger_csv\": {}}]' ";
+  const TemporaryFolder temporary;
+  std::map<std::string, std::vector<std::vector<double>>> rows;
+  std::vector<std::string> columns;
+  for (const std::string solver : {"direct", "multigrid"})
+    {
+      const RunResult run = run_host(shell_quoted(folder + "/case.json") + " --output " +
+                                     shell_quoted(temporary / solver) + settings.str() +
+                                     "--set /fluid/navier_stokes/linear_solver=" + solver);
+      ASSERT_EQ(run.exit_code, 0) << run.output;
+      EXPECT_NE(run.output.find("linear solver: " + solver), std::string::npos) << run.output;
+      columns.clear();
+      std::istringstream text(read_file(temporary / solver + "/ledger.csv"));
+      std::string line, cell;
+      std::getline(text, line);
+      for (std::istringstream header(line); std::getline(header, cell, ',');)
+        columns.push_back(cell);
+      while (std::getline(text, line))
+        {
+          rows[solver].emplace_back();
+          for (std::istringstream row(line); std::getline(row, cell, ',');)
+            rows[solver].back().push_back(std::stod(cell));
+        }
+    }
+  ASSERT_EQ(rows["direct"].size(), 4u);
+  ASSERT_EQ(rows["multigrid"].size(), 4u);
+  double worst = 0;
+  for (const std::string column : {"kinetic", "elastic", "dissipated", "largest_velocity"})
+    {
+      const unsigned int c = std::find(columns.begin(), columns.end(), column) - columns.begin();
+      ASSERT_LT(c, columns.size()) << column;
+      double scale = 1e-12; // a case may be at rest
+      for (const auto &row : rows["direct"])
+        scale = std::max(scale, std::abs(row[c]));
+      for (unsigned int i = 0; i < 4; ++i)
+        {
+          const double difference =
+            std::abs(rows["direct"][i][c] - rows["multigrid"][i][c]) / scale;
+          EXPECT_LT(difference, 1e-8) << column << ", row " << i;
+          worst = std::max(worst, difference);
+        }
+    }
+  std::cout << "direct and multigrid differ by " << worst << std::endl;
 }
 
 INSTANTIATE_TEST_SUITE_P(, Cases, ::testing::ValuesIn(case_names()), [](const auto &info) {
