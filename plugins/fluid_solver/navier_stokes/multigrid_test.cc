@@ -332,8 +332,7 @@ TEST(Multigrid, GivesTheStepOfTheDirectSolver)
 
 TEST(Multigrid, IterationsDoNotGrow)
 {
-  // Over mesh size, refinement, time step and viscosity. The numbers are those of the exact blocks
-  // (docs/performance.md) and 2 more.
+  // Over mesh size, refinement, time step and viscosity (docs/performance.md has more).
   for (const double dt : {1e-1, 1e-3})
     for (const double mu : {1., 1e-3})
       {
@@ -344,7 +343,7 @@ TEST(Multigrid, IterationsDoNotGrow)
           std::cout << "dt " << dt << ", mu " << mu << ": cold (warm) iterations " << cold << " ("
                     << warm << "), 64^2 " << fine_cold << " (" << fine_warm << "), 2 levels "
                     << local_cold << " (" << local_warm << ")" << std::endl;
-        EXPECT_LE(cold, 18u);
+        EXPECT_LE(cold, 22u);
         EXPECT_LE(fine_cold, cold + 2);
         EXPECT_LE(local_cold, cold + 3);
         EXPECT_LE(warm, 9u);
