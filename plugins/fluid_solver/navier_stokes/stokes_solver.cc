@@ -164,7 +164,7 @@ namespace feib
       return wanted;
     // Where the factorisation is cheap, and where multigrid lacks what is in the matrix.
     const auto n_cells              = equations.space.triangulation().n_global_active_cells();
-    constexpr unsigned int small    = dim == 2 ? 600 : 64;
+    constexpr unsigned int small    = dim == 2 ? 1100 : 64;
     constexpr unsigned int bearable = dim == 2 ? 20000 : 1000;
     constexpr double large_cfl      = 8;
     const auto &terms               = equations.operators.terms();
