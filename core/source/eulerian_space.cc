@@ -250,11 +250,12 @@ namespace feib
 
         using Transfer = dealii::parallel::distributed::SolutionTransfer<dim, VelocityVector>;
         Transfer velocity_transfer(velocity_dof_handler), pressure_transfer(pressure_dof_handler);
-        for (VelocityVector *v : {&velocity, &old_velocity, &older_velocity})
+        // The next step extrapolates from these two; what is older is not needed again.
+        for (VelocityVector *v : {&velocity, &old_velocity})
           v->update_ghost_values();
         pressure.update_ghost_values();
         velocity_transfer.prepare_for_coarsening_and_refinement(
-          std::vector<const VelocityVector *>{&velocity, &old_velocity, &older_velocity});
+          std::vector<const VelocityVector *>{&velocity, &old_velocity});
         pressure_transfer.prepare_for_coarsening_and_refinement(pressure);
 
         const std::uint64_t before = fingerprint(mesh);
@@ -263,24 +264,22 @@ namespace feib
         changed             = changed || new_mesh;
 
         distribute_dofs();
-        VelocityVector moved[3]           = {make_velocity(), make_velocity(), make_velocity()};
+        VelocityVector moved[2]           = {make_velocity(), make_velocity()};
         PressureVector moved_pressure     = make_pressure();
-        std::vector<VelocityVector *> all = {&moved[0], &moved[1], &moved[2]};
+        std::vector<VelocityVector *> all = {&moved[0], &moved[1]};
         velocity_transfer.interpolate(all);
         pressure_transfer.interpolate(moved_pressure);
         velocity.swap(moved[0]);
         old_velocity.swap(moved[1]);
-        older_velocity.swap(moved[2]);
+        older_velocity = old_velocity;
         pressure.swap(moved_pressure);
         distribute(velocity, false);
-        // The boundary values of the older states are of their own times.
-        for (VelocityVector *v : {&old_velocity, &older_velocity})
-          {
-            v->update_ghost_values();
-            for (const ConstraintLine &line : constraint_lines)
-              if (line.begin < line.end)
-                v->local_element(line.unknown) = value_from_masters(*v, line) + line.value;
-          }
+        // Its boundary values are of its own time.
+        old_velocity.update_ghost_values();
+        for (const ConstraintLine &line : constraint_lines)
+          if (line.begin < line.end)
+            old_velocity.local_element(line.unknown) =
+              value_from_masters(old_velocity, line) + line.value;
         pressure.update_ghost_values();
         if (!new_mesh)
           break;

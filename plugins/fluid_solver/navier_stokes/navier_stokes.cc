@@ -297,7 +297,7 @@ namespace feib
         if (of.divergence <= tolerance * of.divergence_scale)
           break;
         const double weight = 1 / of.divergence_scale;
-        solver.solve({space, inertia, rate}, r, g, weight, .1 * tolerance, du, multiplier);
+        solver.solve({space, inertia, rate}, r, g, weight, .5 * tolerance, du, multiplier);
         space.distribute(du, true);
         space.velocity.zero_out_ghost_values();
         space.velocity += du;
