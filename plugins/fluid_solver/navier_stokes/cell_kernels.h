@@ -3,6 +3,7 @@
 #define feib_plugins_navier_stokes_cell_kernels_h
 
 #include <algorithm>
+#include <type_traits>
 
 namespace feib
 {

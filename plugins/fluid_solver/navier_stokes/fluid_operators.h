@@ -137,8 +137,8 @@ namespace feib
     bool with_reconstruction = false;
     CellOperators<dim> operators;
     std::vector<CellBatch> batches;
-    std::vector<unsigned int> outflow_faces; // per cell, bit f for face f
-    std::vector<std::vector<double>> masses; // rho (R u, R v) of each level, if R is not I
+    std::vector<unsigned int> outflow_faces;              // per cell, bit f for face f
+    std::vector<std::vector<double>> masses;              // rho (R u, R v) of each level
     std::vector<std::vector<double>> divergence_matrices; // of each level
     MPI_Comm communicator = MPI_COMM_NULL;
   };

@@ -104,7 +104,7 @@ namespace feib
     void invert_blocks(LevelVector<float> &weights, dealii::AlignedVector<float> &blocks) const;
 
     /// Bounds of the spectrum of D^{-1} A, with A of apply_helmholtz() and D its diagonal, from the
-    /// matrices of single cells (an unknown's row of A and D is the sum over its cells).
+    /// matrices of single cells (A and D are sums over cells); near hanging nodes an estimate.
     std::pair<double, double> spectrum(double alpha, double mu) const;
 
     // --- transfer, with the coarser level given to connect()

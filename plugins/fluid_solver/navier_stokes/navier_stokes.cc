@@ -135,6 +135,12 @@ namespace feib
       PressureVector pressure;
     };
 
+    static bool
+    same_time(const Solution &solution, const Step &step)
+    {
+      return std::abs(solution.time - step.time) < 1e-6 * step.dt;
+    }
+
     /// For a new mesh.
     void prepare(const Space &space);
 
@@ -163,7 +169,7 @@ namespace feib
     residual(const Space &space, const Step &step, const VelocityVector &fixed_forces) const;
 
     /// Throws RunFailure when the box is closed and what goes in does not come out.
-    void check_net_flux(const Space &space, const Residual &residual) const;
+    void check_net_flux(const Space &space, const PressureVector &divergence, double scale) const;
 
     /// Puts the powers of the step that led to the state of the space into the report.
     void account(const Space &space,
@@ -296,6 +302,7 @@ namespace feib
         const Norms of = norms(space, r, g);
         if (of.divergence <= tolerance * of.divergence_scale)
           break;
+        check_net_flux(space, g, of.divergence_scale);
         const double weight = 1 / of.divergence_scale;
         solver.solve({space, inertia, rate}, r, g, weight, .5 * tolerance, du, multiplier);
         space.distribute(du, true);
@@ -346,19 +353,25 @@ namespace feib
   NavierStokes<dim>::guess(Space &space, const Step &step)
   {
     // Solutions of this time or later belong to another attempt at this step.
-    const double near = 1e-6 * step.dt;
-    if (!solutions.empty() && std::abs(solutions.front().time - step.time) < near)
+    if (!solutions.empty() && same_time(solutions.front(), step))
       return;
-    while (!solutions.empty() && solutions.front().time > step.time - near)
+    while (!solutions.empty() && solutions.front().time >= step.time)
       solutions.pop_front();
-    if (solutions.size() < 2)
+    // Far from solutions close to each other a polynomial is no guess.
+    constexpr double farthest = 3;
+    unsigned int n_used       = 1;
+    while (n_used < solutions.size() &&
+           step.time - solutions[0].time <
+             farthest * (solutions[n_used - 1].time - solutions[n_used].time))
+      ++n_used;
+    if (solutions.empty() || n_used < 2)
       return;
     space.velocity = 0.;
     space.pressure = 0.;
-    for (unsigned int i = 0; i < solutions.size(); ++i)
+    for (unsigned int i = 0; i < n_used; ++i)
       {
         double weight = 1; // Lagrange's polynomials at the new time
-        for (unsigned int j = 0; j < solutions.size(); ++j)
+        for (unsigned int j = 0; j < n_used; ++j)
           if (j != i)
             weight *= (step.time - solutions[j].time) / (solutions[i].time - solutions[j].time);
         space.velocity.add(weight, solutions[i].velocity);
@@ -515,13 +528,15 @@ namespace feib
 
   template <int dim>
   void
-  NavierStokes<dim>::check_net_flux(const Space &space, const Residual &residual) const
+  NavierStokes<dim>::check_net_flux(const Space &space,
+                                    const PressureVector &divergence,
+                                    const double scale) const
   {
     double flux = 0;
     for (unsigned int c = 0; c < space.cells().size(); ++c)
-      flux += residual.divergence.local_element(space.pressure_dofs(c)[0]);
+      flux += divergence.local_element(space.pressure_dofs(c)[0]);
     flux = dealii::Utilities::MPI::sum(flux, space.communicator());
-    if (space.domain().enclosed() && std::abs(flux) > 1e-8 * residual.norms.divergence_scale)
+    if (space.domain().enclosed() && std::abs(flux) > 1e-8 * scale)
       throw RunFailure("the prescribed boundary velocities, as interpolated on this mesh, carry a "
                        "net flux of " +
                        std::to_string(flux) +
@@ -579,7 +594,7 @@ namespace feib
 
     Report report;
     Residual present = residual(space, step, fixed);
-    check_net_flux(space, present);
+    check_net_flux(space, present.divergence, present.norms.divergence_scale);
     const double scale =
       std::max({condensed.l2_norm(), present.implicit_load, present.norms.momentum});
     std::ostringstream history;
@@ -658,7 +673,7 @@ namespace feib
     account(space, present, explicit_convection, report);
 
     constexpr unsigned int n_kept = 3;
-    if (!solutions.empty() && solutions.front().time == step.time)
+    if (!solutions.empty() && same_time(solutions.front(), step))
       solutions.pop_front();
     solutions.push_front({step.time, space.velocity, space.pressure});
     if (solutions.size() > n_kept)

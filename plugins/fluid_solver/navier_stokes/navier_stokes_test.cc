@@ -723,10 +723,16 @@ TEST(NavierStokes, LateFactorisationIsReplacedWhenConvectionDominates)
 
 TEST(NavierStokes, NetFluxThroughAClosedBoxIsRefused)
 {
-  const auto space =
-    feib::testing::make_space<2>("{\"cells\": [4, 4], \"boundary\": {\"x_min\": "
-                                 "{\"velocity\": {\"value\": [\"y*(1-y)\", 0]}}}}");
-  const auto solver = make_solver<2>("{\"density\": 1, \"viscosity\": 1}");
+  // At once, or when it begins.
+  const auto closed = [](const std::string &inflow) {
+    return feib::testing::make_space<2>("{\"cells\": [4, 4], \"boundary\": {\"x_min\": "
+                                        "{\"velocity\": {\"value\": [\"" +
+                                        inflow + "\", 0]}}}}");
+  };
+  const auto solver  = make_solver<2>("{\"density\": 1, \"viscosity\": 1}");
+  const auto at_once = closed("y*(1-y)");
+  EXPECT_THROW(solver->initialize(*at_once), RunFailure);
+  const auto space = closed("t*y*(1-y)");
   solver->initialize(*space);
   const VelocityVector load = space->make_velocity();
   EXPECT_THROW(solver->advance(*space, {1, 1, load}), RunFailure);

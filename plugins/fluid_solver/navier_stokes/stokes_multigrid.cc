@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stokes_multigrid.h"
 
+#include <feib/log.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 #include <deal.II/lac/sparse_matrix.h>
@@ -14,7 +16,7 @@ namespace feib
   {
     constexpr unsigned int none = static_cast<unsigned int>(-1);
 
-    // What was found fastest, see docs/performance.md.
+    // More does not save iterations: those are the Schur complement's (docs/performance.md).
     constexpr unsigned int velocity_degree = 3, pressure_degree = 2;
     constexpr double velocity_range = 10, pressure_range = 4;
 
@@ -117,7 +119,7 @@ namespace feib
       return;
 
     // Where the mass dominates, the smoother alone is a solver.
-    constexpr double well_conditioned = 10, accuracy = .05;
+    constexpr double well_conditioned = dim == 2 ? 10 : 20, accuracy = .05;
     for (last_velocity = 0; true; ++last_velocity)
       {
         Level &level              = levels[last_velocity];
@@ -171,6 +173,13 @@ namespace feib
         lattices.push_back(lattices[0]);
       }
 
+    constexpr unsigned int large = dim == 2 ? 10000 : 1000;
+    if (lattices.back().cells().size() > large)
+      log::warning(
+        "the fluid's multigrid ends with " + std::to_string(lattices.back().cells().size()) +
+        " cells, which are solved for directly: numbers of cells with more factors of two "
+        "are faster");
+
     levels.clear();
     levels.resize(lattices.size());
     bool replicated = false;
@@ -221,7 +230,7 @@ namespace feib
         if (l > 0)
           levels[l - 1].mesh->connect(*level.mesh, lattices[l], families[l - 1], communicator);
       }
-    factorize_pressure(space);
+    factorize_pressure();
   }
 
 
@@ -273,9 +282,8 @@ namespace feib
 
   template <int dim>
   void
-  StokesMultigrid<dim>::factorize_pressure(const EulerianSpace<dim> &space)
+  StokesMultigrid<dim>::factorize_pressure()
   {
-    (void)space;
     constexpr unsigned int n = EulerianSpace<dim>::n_nodes, n_pressure = dim + 1;
     constexpr unsigned int lanes    = MultigridLevel<dim>::lanes;
     const Level &level              = levels.back();
@@ -514,17 +522,17 @@ namespace feib
         if (enclosed)
           {
             // The sum over all cells vanishes up to round-off.
-            double sum = 0, n_cells = 0;
-            for (const double number : {0., 1.})
+            const auto for_constants = [&](const auto &action) {
               for (unsigned int b = 0; b < level.mesh->n_batches(); ++b)
-                for (unsigned int k = 0; k < level.mesh->n_filled(b); ++k)
-                  if (number == 0)
-                    {
-                      sum += values[b * n_pressure * lanes + k];
-                      n_cells += 1;
-                    }
-                  else
-                    values[b * n_pressure * lanes + k] -= sum / n_cells;
+                for (unsigned int l = 0; l < level.mesh->n_filled(b); ++l)
+                  action(values[b * n_pressure * lanes + l]);
+            };
+            double sum = 0, n_cells = 0;
+            for_constants([&](const double value) {
+              sum += value;
+              n_cells += 1;
+            });
+            for_constants([&](double &value) { value -= sum / n_cells; });
           }
         pressure_factor->solve(values);
         std::copy_n(values.begin(), values.size(), level.p.begin());

@@ -89,7 +89,7 @@ namespace feib
     void velocity_cycle(unsigned int l);
     void pressure_cycle(unsigned int l);
 
-    void factorize_pressure(const EulerianSpace<dim> &space);
+    void factorize_pressure();
     void factorize_velocity();
 
     unsigned int revision = 0;

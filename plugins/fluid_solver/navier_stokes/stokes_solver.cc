@@ -191,7 +191,7 @@ namespace feib
       multigrid.prepare(
         equations.space,
         {terms.rho * equations.rate, terms.mu, terms.symmetric ? terms.mu : 0., terms.grad_div});
-    if (chosen != method)
+    if (told.insert(chosen).second)
       log::info(chosen == Method::direct ? "linear solver: direct"
                                          : "linear solver: multigrid, " + multigrid.describe());
     method                 = chosen;
@@ -211,6 +211,7 @@ namespace feib
     const VelocityVector *w       = factor_with_convection ? equations.velocity : nullptr;
     const ImplicitLoad<dim> *load = factor_with_load ? equations.load : nullptr;
     std::map<unsigned int, std::vector<double>> of_level;
+    factor_outdated = true; // should this fail
     direct.factorize(
       equations.space,
       [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
@@ -319,7 +320,7 @@ namespace feib
                            right_hand_side,
                            Preconditioner<DirectSolver<dim>>{direct, weight});
             total += control.last_step();
-            if (equations.load && control.last_step() > usual)
+            if (method == Method::direct && equations.load && control.last_step() > usual)
               excess += control.last_step() - usual;
             break;
           }

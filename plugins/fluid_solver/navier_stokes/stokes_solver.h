@@ -6,6 +6,8 @@
 #include "fluid_operators.h"
 #include "stokes_multigrid.h"
 
+#include <set>
+
 namespace feib
 {
   /// Solves the linear equations of a step, or of a step of Newton's method, for a correction of
@@ -56,6 +58,7 @@ namespace feib
 
     const Method wanted;
     Method method = Method::automatic; // as chosen
+    std::set<Method> told;             // what the log has said
 
     // What the preconditioner was made for.
     unsigned int revision                = 0;
