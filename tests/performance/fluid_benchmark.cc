@@ -63,10 +63,11 @@ namespace
       benchmark::Counter(4. * n * sizeof(double) * state.iterations(), benchmark::Counter::kIsRate);
   }
 
-  /// The velocity's Helmholtz operator on the finest level.
-  template <int dim, typename Number>
+  /// The velocity's operator on the finest level, with independent components; and (symmetric) with
+  /// the symmetric gradient, which couples them.
+  template <int dim, typename Number, bool symmetric>
   void
-  helmholtz(benchmark::State &state)
+  velocity_form(benchmark::State &state)
   {
     const auto space = make<dim>(state);
     const Lattice<dim> lattice(*space);
@@ -79,7 +80,7 @@ namespace
       u.local_element(i) = level.inactive(i) ? 0. : i % 7;
     level.expand(u);
     for (auto _ : state)
-      level.apply_helmholtz(1e3, 1., u, result);
+      level.apply_velocity_form({1e3, 1., symmetric ? 1. : 0.}, u, result);
     count(state,
           u.size(),
           u.size() * 3. * sizeof(Number) +
@@ -185,10 +186,12 @@ namespace
 } // namespace
 
 BENCHMARK(triad)->Arg(1 << 18)->Arg(24 << 20)->Arg(240 << 20)->Unit(benchmark::kMillisecond);
-BENCHMARK_TEMPLATE(helmholtz, 2, double)->Apply(sizes<2>);
-BENCHMARK_TEMPLATE(helmholtz, 2, float)->Apply(sizes<2>);
-BENCHMARK_TEMPLATE(helmholtz, 3, double)->Apply(sizes<3>);
-BENCHMARK_TEMPLATE(helmholtz, 3, float)->Apply(sizes<3>);
+BENCHMARK_TEMPLATE(velocity_form, 2, double, false)->Apply(sizes<2>);
+BENCHMARK_TEMPLATE(velocity_form, 2, float, false)->Apply(sizes<2>);
+BENCHMARK_TEMPLATE(velocity_form, 2, float, true)->Apply(sizes<2>);
+BENCHMARK_TEMPLATE(velocity_form, 3, double, false)->Apply(sizes<3>);
+BENCHMARK_TEMPLATE(velocity_form, 3, float, false)->Apply(sizes<3>);
+BENCHMARK_TEMPLATE(velocity_form, 3, float, true)->Apply(sizes<3>);
 BENCHMARK_TEMPLATE(stokes_residual, 2)->Apply(sizes<2>);
 BENCHMARK_TEMPLATE(stokes_residual, 3)->Apply(sizes<3>);
 BENCHMARK_TEMPLATE(convection, 2)->Apply(sizes<2>);

@@ -103,26 +103,40 @@ namespace feib
   }
 
 
-  /// Numbers of a cell of given size: volume, and what the directions weigh.
+  /// The form alpha (u, v) + mu (grad u, grad v) + nu (grad u^T, grad v) + gamma (div u, div v).
+  struct VelocityForm
+  {
+    double alpha, mu, nu = 0, gamma = 0;
+
+    /// Whether components depend on each other.
+    bool
+    couples() const
+    {
+      return nu != 0 || gamma != 0;
+    }
+  };
+
+
+  /// On a cell of given size, what directions weigh in the form of component @p a with itself.
   template <int dim, typename Number>
   struct CellFactors
   {
-    /// For alpha (u, v) + mu (grad u, grad v).
     template <class Size>
-    CellFactors(const Size &size, const double alpha, const double mu)
+    CellFactors(const VelocityForm &form, const Size &size, const unsigned int a)
     {
       double volume = 1;
-      for (unsigned int a = 0; a < dim; ++a)
-        volume *= size[a];
-      mass = alpha * volume;
-      for (unsigned int a = 0; a < dim; ++a)
-        stiffness[a] = mu * volume / (size[a] * size[a]);
+      for (unsigned int b = 0; b < dim; ++b)
+        volume *= size[b];
+      mass = form.alpha * volume;
+      for (unsigned int b = 0; b < dim; ++b)
+        stiffness[b] =
+          (form.mu + (a == b ? form.nu + form.gamma : 0.)) * volume / (size[b] * size[b]);
     }
     Number mass, stiffness[dim];
   };
 
 
-  /// out = (alpha M + mu K) u for one component.
+  /// out = the form of one component with itself, applied to u.
   template <int dim, typename V, typename Number>
   inline void
   apply_helmholtz(const CellFactors<dim, Number> &factors, const V *u, V *out)
@@ -175,33 +189,25 @@ namespace feib
   }
 
 
-  /// out = alpha (u, v) + mu (grad u, grad v) + nu (grad u^T, grad v) + gamma (div u, div v), all
-  /// components, component by component.
-  template <int dim, typename V, typename Size>
+  /// out = the form applied to u, all components, component by component.
+  template <int dim, typename Number, typename V, class Size>
   inline void
-  apply_velocity_form(const Size &size,
-                      const double alpha,
-                      const double mu,
-                      const double nu,
-                      const double gamma,
-                      const V *u,
-                      V *out)
+  apply_velocity_form(const VelocityForm &form, const Size &size, const V *u, V *out)
   {
     constexpr unsigned int n = dim == 2 ? 9 : 27;
-    double volume            = 1;
+    for (unsigned int a = 0; a < dim; ++a)
+      apply_helmholtz<dim>(CellFactors<dim, Number>(form, size, a), u + a * n, out + a * n);
+    if (!form.couples())
+      return;
+    double volume = 1;
     for (unsigned int a = 0; a < dim; ++a)
       volume *= size[a];
-    for (unsigned int a = 0; a < dim; ++a)
-      {
-        CellFactors<dim, double> factors(size, alpha, mu);
-        factors.stiffness[a] += (nu + gamma) * volume / (size[a] * size[a]);
-        apply_helmholtz<dim>(factors, u + a * n, out + a * n);
-      }
-    if (nu == 0 && gamma == 0)
-      return;
     const auto couple = [&](auto a, auto b) {
       const double scale = volume / (size[a.value] * size[b.value]);
-      add_coupling<dim, a, b>(nu * scale, gamma * scale, u + b * n, out + a * n);
+      add_coupling<dim, a, b>(Number(form.nu * scale),
+                              Number(form.gamma * scale),
+                              u + b * n,
+                              out + a * n);
     };
     using Zero = std::integral_constant<unsigned int, 0>;
     using One  = std::integral_constant<unsigned int, 1>;

@@ -122,13 +122,13 @@ namespace feib
                                      const Values (&u)[n_u],
                                      Values (&out)[n_u]) const
   {
-    apply_velocity_form<dim>(batch.size,
-                             with_reconstruction ? 0. : rate * given_terms.rho,
-                             viscosity * given_terms.mu,
-                             given_terms.symmetric ? viscosity * given_terms.mu : 0.,
-                             viscosity * given_terms.grad_div,
-                             u,
-                             out);
+    apply_velocity_form<dim, double>({with_reconstruction ? 0. : rate * given_terms.rho,
+                                      viscosity * given_terms.mu,
+                                      given_terms.symmetric ? viscosity * given_terms.mu : 0.,
+                                      viscosity * given_terms.grad_div},
+                                     batch.size,
+                                     u,
+                                     out);
     if (with_reconstruction && rate != 0)
       {
         const std::vector<double> &mass = masses[batch.level];

@@ -550,10 +550,9 @@ namespace feib
   template <int dim>
   template <typename Number>
   void
-  MultigridLevel<dim>::apply_helmholtz(const double alpha,
-                                       const double mu,
-                                       const LevelVector<Number> &u,
-                                       LevelVector<Number> &result) const
+  MultigridLevel<dim>::apply_velocity_form(const VelocityForm &form,
+                                           const LevelVector<Number> &u,
+                                           LevelVector<Number> &result) const
   {
     using V                      = typename Batch<Number>::Values;
     constexpr unsigned int width = Batch<Number>::lanes;
@@ -561,25 +560,40 @@ namespace feib
     const Number *from           = u.begin();
     Number *to                   = result.begin();
     for (unsigned int b = 0; b < batches.size(); ++b)
-      {
-        const CellFactors<dim, Number> factors(cell_size(b), alpha, mu);
-        for (unsigned int part = 0; part < lanes; part += width)
-          {
-            if (part >= batches[b].filled)
-              break;
-            const unsigned int filled   = std::min(width, batches[b].filled - part);
-            const unsigned int *indices = nodes(b) + part;
-            V local[n], product[n];
-            for (unsigned int a = 0; a < dim; ++a)
-              {
-                for (unsigned int i = 0; i < n; ++i)
-                  local[i] = gather(from + a, indices + i * lanes);
-                feib::apply_helmholtz<dim>(factors, local, product);
-                for (unsigned int i = 0; i < n; ++i)
-                  scatter_add(product[i], indices + i * lanes, filled, to + a);
-              }
-          }
-      }
+      for (unsigned int part = 0; part < batches[b].filled; part += width)
+        {
+          const unsigned int filled   = std::min(width, batches[b].filled - part);
+          const unsigned int *indices = nodes(b) + part;
+          const auto gather_component = [&](const unsigned int a, V *local) {
+            for (unsigned int i = 0; i < n; ++i)
+              local[i] = gather(from + a, indices + i * lanes);
+          };
+          const auto scatter_component = [&](const unsigned int a, const V *product) {
+            for (unsigned int i = 0; i < n; ++i)
+              scatter_add(product[i], indices + i * lanes, filled, to + a);
+          };
+          if (form.couples())
+            {
+              V local[dim * n], product[dim * n];
+              for (unsigned int a = 0; a < dim; ++a)
+                gather_component(a, local + a * n);
+              feib::apply_velocity_form<dim, Number>(form, cell_size(b), local, product);
+              for (unsigned int a = 0; a < dim; ++a)
+                scatter_component(a, product + a * n);
+            }
+          else
+            {
+              // All components are alike, and one at a time stays in the registers.
+              const CellFactors<dim, Number> factors(form, cell_size(b), 0);
+              V local[n], product[n];
+              for (unsigned int a = 0; a < dim; ++a)
+                {
+                  gather_component(a, local);
+                  apply_helmholtz<dim>(factors, local, product);
+                  scatter_component(a, product);
+                }
+            }
+        }
     condense(result);
   }
 
@@ -649,8 +663,7 @@ namespace feib
 
   template <int dim>
   void
-  MultigridLevel<dim>::inverse_diagonal(const double alpha,
-                                        const double mu,
+  MultigridLevel<dim>::inverse_diagonal(const VelocityForm &form,
                                         const bool row_sums,
                                         LevelVector<float> &result) const
   {
@@ -658,22 +671,25 @@ namespace feib
     std::array<Masters, n> of_node;
     for (unsigned int b = 0; b < batches.size(); ++b)
       {
-        // The matrix of the cell.
-        const CellFactors<dim, double> factors(cell_size(b), alpha, mu);
-        double matrix[n][n], diagonal[n];
-        for (unsigned int j = 0; j < n; ++j)
+        // The cell's matrices of the components with themselves.
+        double matrix[dim][n][n], diagonal[dim][n];
+        for (unsigned int a = 0; a < dim; ++a)
           {
-            double unit_vector[n] = {};
-            unit_vector[j]        = 1;
-            feib::apply_helmholtz<dim>(factors, unit_vector, matrix[j]);
-            diagonal[j] = matrix[j][j];
-            if (row_sums)
-              diagonal[j] = std::accumulate(matrix[j], matrix[j] + n, 0.);
+            const CellFactors<dim, double> factors(form, cell_size(b), a);
+            for (unsigned int j = 0; j < n; ++j)
+              {
+                double unit_vector[n] = {};
+                unit_vector[j]        = 1;
+                apply_helmholtz<dim>(factors, unit_vector, matrix[a][j]);
+                diagonal[a][j] =
+                  row_sums ? std::accumulate(matrix[a][j], matrix[a][j] + n, 0.) : matrix[a][j][j];
+              }
           }
         for (unsigned int l = 0; l < batches[b].filled; ++l)
           if (row_sums || !hanging_cells[b * lanes + l])
             for (unsigned int i = 0; i < n; ++i)
-              result.begin()[nodes(b)[i * lanes + l]] += diagonal[i];
+              for (unsigned int a = 0; a < dim; ++a)
+                result.begin()[nodes(b)[i * lanes + l] + a] += diagonal[a][i];
           else
             {
               masters_of(b * lanes + l, of_node);
@@ -682,30 +698,30 @@ namespace feib
                 for (const auto &[master, weight] : of_node[i])
                   columns.try_emplace(master, std::array<double, n>{}).first->second[i] += weight;
               for (const auto &[master, column] : columns)
-                {
-                  double sum = 0;
-                  for (unsigned int i = 0; i < n; ++i)
-                    if (column[i] != 0)
-                      for (unsigned int j = 0; j < n; ++j)
-                        sum += column[i] * matrix[i][j] * column[j];
-                  result.begin()[master] += sum;
-                }
+                for (unsigned int a = 0; a < dim; ++a)
+                  {
+                    double sum = 0;
+                    for (unsigned int i = 0; i < n; ++i)
+                      if (column[i] != 0)
+                        for (unsigned int j = 0; j < n; ++j)
+                          sum += column[i] * matrix[a][i][j] * column[j];
+                    result.begin()[master + a] += sum;
+                  }
             }
       }
     if (row_sums)
       for (unsigned int s = 0; s < slaves.size(); ++s)
-        {
-          for (unsigned int m = first_master[s]; m < first_master[s + 1]; ++m)
-            result.begin()[masters[m]] += master_weights[m] * result.begin()[slaves[s]];
-          result.begin()[slaves[s]] = 0;
-        }
-    result.compress(dealii::VectorOperation::add);
-    for (unsigned int i = 0; i < result.locally_owned_size(); i += dim)
-      {
-        const float inverse = 1 / result.begin()[i]; // not used where there is nothing
         for (unsigned int a = 0; a < dim; ++a)
-          result.begin()[i + a] = inactive_flags[i + a] ? 0.f : inverse;
-      }
+          {
+            float &sum = result.begin()[slaves[s] + a];
+            for (unsigned int m = first_master[s]; m < first_master[s + 1]; ++m)
+              result.begin()[masters[m] + a] += master_weights[m] * sum;
+            sum = 0;
+          }
+    result.compress(dealii::VectorOperation::add);
+    // Where there is nothing, the inverse is not used.
+    for (unsigned int i = 0; i < result.locally_owned_size(); ++i)
+      result.begin()[i] = inactive_flags[i] ? 0.f : 1 / result.begin()[i];
   }
 
 
@@ -786,32 +802,44 @@ namespace feib
 
   template <int dim>
   std::pair<double, double>
-  MultigridLevel<dim>::spectrum(const double alpha, const double mu) const
+  MultigridLevel<dim>::spectrum(const VelocityForm &form) const
   {
+    constexpr unsigned int n_velocity = dim * n;
     double least = std::numeric_limits<double>::max(), most = 0;
     for (const double edge : edges)
       {
-        const CellFactors<dim, double> factors(edge * unit, alpha, mu);
-        dealii::FullMatrix<double> matrix(n, n);
-        for (unsigned int j = 0; j < n; ++j)
+        double matrix[n_velocity][n_velocity];
+        for (unsigned int j = 0; j < n_velocity; ++j)
           {
-            double unit_vector[n] = {}, column[n];
-            unit_vector[j]        = 1;
-            feib::apply_helmholtz<dim>(factors, unit_vector, column);
-            for (unsigned int i = 0; i < n; ++i)
-              matrix(i, j) = column[i];
+            double unit_vector[n_velocity] = {};
+            unit_vector[j]                 = 1;
+            feib::apply_velocity_form<dim, double>(form, edge * unit, unit_vector, matrix[j]);
           }
-        dealii::LAPACKFullMatrix<double> scaled(n, n);
-        for (unsigned int i = 0; i < n; ++i)
-          for (unsigned int j = 0; j < n; ++j)
-            scaled(i, j) = matrix(i, j) / std::sqrt(matrix(i, i) * matrix(j, j));
+        // Without coupling, the first component tells all.
+        const unsigned int size = form.couples() ? n_velocity : n;
+        dealii::LAPACKFullMatrix<double> scaled(size, size);
+        for (unsigned int i = 0; i < size; ++i)
+          for (unsigned int j = 0; j < size; ++j)
+            scaled(i, j) = matrix[i][j] / std::sqrt(matrix[i][i] * matrix[j][j]);
         dealii::Vector<double> values;
         dealii::FullMatrix<double> vectors;
-        scaled.compute_eigenvalues_symmetric(-1., 2. * n, 1e-10, values, vectors);
+        scaled.compute_eigenvalues_symmetric(-1., 2. * n_velocity, 1e-10, values, vectors);
         least = std::min(least, values[0]);
         most  = std::max(most, values[values.size() - 1]);
       }
     return {least, most};
+  }
+
+
+  template <int dim>
+  double
+  MultigridLevel<dim>::smallest_size() const
+  {
+    double least = std::numeric_limits<double>::max();
+    for (const double edge : edges)
+      for (unsigned int a = 0; a < dim; ++a)
+        least = std::min(least, edge * unit[a]);
+    return least;
   }
 
 
@@ -1033,13 +1061,12 @@ namespace feib
   }
 
 
-#define FEIB_INSTANTIATE(dim, Number)                                             \
-  template void MultigridLevel<dim>::expand(LevelVector<Number> &) const;         \
-  template void MultigridLevel<dim>::condense(LevelVector<Number> &) const;       \
-  template void MultigridLevel<dim>::apply_helmholtz(double,                      \
-                                                     double,                      \
-                                                     const LevelVector<Number> &, \
-                                                     LevelVector<Number> &) const;
+#define FEIB_INSTANTIATE(dim, Number)                                                 \
+  template void MultigridLevel<dim>::expand(LevelVector<Number> &) const;             \
+  template void MultigridLevel<dim>::condense(LevelVector<Number> &) const;           \
+  template void MultigridLevel<dim>::apply_velocity_form(const VelocityForm &,        \
+                                                         const LevelVector<Number> &, \
+                                                         LevelVector<Number> &) const;
 
   template class MultigridLevel<2>;
   template class MultigridLevel<3>;

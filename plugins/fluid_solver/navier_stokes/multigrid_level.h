@@ -77,12 +77,11 @@ namespace feib
 
     // --- forms; arguments are expanded, results of velocity condensed
 
-    /// result = alpha (u, v) + mu (grad u, grad v)
+    /// result = form(u, v)
     template <typename Number>
-    void apply_helmholtz(double alpha,
-                         double mu,
-                         const LevelVector<Number> &u,
-                         LevelVector<Number> &result) const;
+    void apply_velocity_form(const VelocityForm &form,
+                             const LevelVector<Number> &u,
+                             LevelVector<Number> &result) const;
 
     /// result = (p, div v)
     void apply_gradient(const LevelVector<float> &p, LevelVector<float> &result) const;
@@ -95,17 +94,22 @@ namespace feib
                                    const LevelVector<float> &g,
                                    LevelVector<float> &result) const;
 
-    /// One over the diagonal (or, with @p row_sums, over the sums of the rows) of the condensed
-    /// matrix of alpha (u, v) + mu (grad u, grad v); zero where the unknown does not count.
-    void inverse_diagonal(double alpha, double mu, bool row_sums, LevelVector<float> &result) const;
+    /// One over the diagonal (or, with @p row_sums, over the sums of the rows, without those of
+    /// other components) of the condensed matrix of the form; zero where the unknown does not
+    /// count.
+    void
+    inverse_diagonal(const VelocityForm &form, bool row_sums, LevelVector<float> &result) const;
 
     /// The cells' own blocks of B diag(weights) B^T, with B condensed, inverted: of the cell in
     /// lane l of batch b, entry (k, m) at ((b * n_pressure + k) * n_pressure + m) * lanes + l.
     void invert_blocks(LevelVector<float> &weights, dealii::AlignedVector<float> &blocks) const;
 
-    /// Bounds of the spectrum of D^{-1} A, with A of apply_helmholtz() and D its diagonal, from the
-    /// matrices of single cells (A and D are sums over cells); near hanging nodes an estimate.
-    std::pair<double, double> spectrum(double alpha, double mu) const;
+    /// Bounds of the spectrum of D^{-1} A, with A the matrix of the form and D its diagonal, from
+    /// the matrices of single cells (A and D are sums over cells); near hanging nodes an estimate.
+    std::pair<double, double> spectrum(const VelocityForm &form) const;
+
+    /// The shortest edge of a cell.
+    double smallest_size() const;
 
     // --- transfer, with the coarser level given to connect()
 

@@ -17,7 +17,7 @@ namespace feib
     constexpr unsigned int none = static_cast<unsigned int>(-1);
 
     // More does not save iterations: those are the Schur complement's (docs/performance.md).
-    constexpr unsigned int velocity_degree = 3, pressure_degree = 2;
+    constexpr unsigned int velocity_degree = 4, pressure_degree = 2;
     constexpr double velocity_range = 10, pressure_range = 4;
 
     /// Levels with at most this many cells are held by every rank: there a message costs more than
@@ -103,7 +103,7 @@ namespace feib
 
   template <int dim>
   void
-  StokesMultigrid<dim>::prepare(const EulerianSpace<dim> &space, const Coefficients &wanted)
+  StokesMultigrid<dim>::prepare(const EulerianSpace<dim> &space, const VelocityForm &wanted)
   {
     const bool new_mesh = revision != space.revision();
     if (new_mesh)
@@ -112,10 +112,19 @@ namespace feib
         map_unknowns(space);
         revision = space.revision();
       }
-    const bool new_coefficients =
-      wanted.alpha != coefficients.alpha || wanted.mu != coefficients.mu;
-    coefficients = wanted;
-    if (!new_mesh && !new_coefficients)
+    // What couples the components costs half as much again, and counts only where viscosity does.
+    // Of the divergence the pressures see enough.
+    constexpr double negligible = .005;
+    const double h              = levels[0].mesh->smallest_size();
+    const VelocityForm seen{wanted.alpha,
+                            wanted.mu,
+                            wanted.mu > negligible * wanted.alpha * h * h ? wanted.nu : 0.,
+                            0.};
+    const bool new_form =
+      seen.alpha != cycled.alpha || seen.mu != cycled.mu || seen.nu != cycled.nu;
+    form   = wanted;
+    cycled = seen;
+    if (!new_mesh && !new_form)
       return;
 
     // Where the mass dominates, the smoother alone is a solver.
@@ -123,13 +132,10 @@ namespace feib
     for (last_velocity = 0; true; ++last_velocity)
       {
         Level &level              = levels[last_velocity];
-        const auto [lower, upper] = level.mesh->spectrum(coefficients.alpha, coefficients.mu);
+        const auto [lower, upper] = level.mesh->spectrum(cycled);
         const double largest      = 1.05 * upper;
         level.velocity_smoother   = {largest / velocity_range, largest, velocity_degree};
-        level.mesh->inverse_diagonal(coefficients.alpha,
-                                     coefficients.mu,
-                                     false,
-                                     level.inverse_diagonal);
+        level.mesh->inverse_diagonal(cycled, false, level.inverse_diagonal);
         direct_velocity = largest > well_conditioned * lower;
         if (!direct_velocity)
           {
@@ -201,7 +207,7 @@ namespace feib
           level.mesh->reinit_velocity(*v);
         for (auto *p : {&level.p, &level.g, &level.pressure_product, &level.pressure_step})
           level.mesh->reinit_pressure(*p);
-        level.mesh->inverse_diagonal(1., 0., true, level.inverse_mass);
+        level.mesh->inverse_diagonal({1., 0.}, true, level.inverse_mass);
         level.mesh->invert_blocks(level.inverse_mass, level.inverse_blocks);
 
         // The largest eigenvalue of Lp with its blocks, by the power method.
@@ -335,7 +341,7 @@ namespace feib
   void
   StokesMultigrid<dim>::factorize_velocity()
   {
-    constexpr unsigned int n        = EulerianSpace<dim>::n_nodes;
+    constexpr unsigned int n = EulerianSpace<dim>::n_nodes, n_velocity = dim * n;
     constexpr unsigned int lanes    = MultigridLevel<dim>::lanes;
     const Level &level              = levels.back();
     const MultigridLevel<dim> &mesh = *level.mesh;
@@ -346,26 +352,22 @@ namespace feib
     const auto for_entries = [&](const auto &action) {
       for (unsigned int b = 0; b < mesh.n_batches(); ++b)
         {
-          const CellFactors<dim, double> factors(mesh.cell_size(b),
-                                                 coefficients.alpha,
-                                                 coefficients.mu);
-          double matrix[n][n];
-          for (unsigned int j = 0; j < n; ++j)
+          double matrix[n_velocity][n_velocity];
+          for (unsigned int j = 0; j < n_velocity; ++j)
             {
-              double unit_vector[n] = {};
-              unit_vector[j]        = 1;
-              feib::apply_helmholtz<dim>(factors, unit_vector, matrix[j]);
+              double unit_vector[n_velocity] = {};
+              unit_vector[j]                 = 1;
+              apply_velocity_form<dim, double>(cycled, mesh.cell_size(b), unit_vector, matrix[j]);
             }
           for (unsigned int l = 0; l < mesh.n_filled(b); ++l)
-            for (unsigned int i = 0; i < n; ++i)
-              for (unsigned int j = 0; j < n; ++j)
-                for (unsigned int a = 0; a < dim; ++a)
-                  {
-                    const unsigned int row    = mesh.nodes(b)[i * lanes + l] + a,
-                                       column = mesh.nodes(b)[j * lanes + l] + a;
-                    if (!mesh.inactive(row) && !mesh.inactive(column))
-                      action(row, column, matrix[i][j]);
-                  }
+            for (unsigned int i = 0; i < n_velocity; ++i)
+              for (unsigned int j = 0; j < n_velocity; ++j)
+                {
+                  const unsigned int row    = mesh.nodes(b)[i % n * lanes + l] + i / n,
+                                     column = mesh.nodes(b)[j % n * lanes + l] + j / n;
+                  if (matrix[i][j] != 0 && !mesh.inactive(row) && !mesh.inactive(column))
+                    action(row, column, matrix[i][j]);
+                }
         }
     };
     for_entries([&](const auto row, const auto column, double) { dynamic.add(row, column); });
@@ -411,10 +413,7 @@ namespace feib
     const unsigned int n = level.u.locally_owned_size();
     const auto step      = [&](const double c, const double s) {
       level.mesh->expand(level.u);
-      level.mesh->apply_helmholtz(coefficients.alpha,
-                                  coefficients.mu,
-                                  level.u,
-                                  level.velocity_product);
+      level.mesh->apply_velocity_form(cycled, level.u, level.velocity_product);
       update(n,
              c,
              s,
@@ -493,10 +492,7 @@ namespace feib
       return;
     Level &coarse = levels[l + 1];
     level.mesh->expand(level.u);
-    level.mesh->apply_helmholtz(coefficients.alpha,
-                                coefficients.mu,
-                                level.u,
-                                level.velocity_product);
+    level.mesh->apply_velocity_form(cycled, level.u, level.velocity_product);
     const unsigned int n = level.u.locally_owned_size();
     for (unsigned int i = 0; i < n; ++i)
       level.velocity_product.begin()[i] = level.f.begin()[i] - level.velocity_product.begin()[i];
@@ -606,15 +602,17 @@ namespace feib
   {
     Level &finest = levels[0];
     import_pressure(g, -1, finest.g);
-    // alpha Lp^{-1} g + mu Mp^{-1} g
-    if (coefficients.alpha > 0)
+    // The Schur complement of A: (alpha Lp^{-1} + (mu + nu) Mp^{-1}) g. In it the symmetric
+    // gradient is twice the other, as (grad u^T, grad v) and (div u, div v) are the same away from
+    // walls.
+    if (cycled.alpha > 0)
       {
         pressure_cycle(0);
-        finest.p *= coefficients.alpha;
+        finest.p *= cycled.alpha;
       }
     else
       finest.p = 0;
-    finest.mesh->add_inverse_pressure_mass(coefficients.mu, finest.g, finest.p);
+    finest.mesh->add_inverse_pressure_mass(cycled.mu + cycled.nu, finest.g, finest.p);
 
     finest.mesh->apply_gradient(finest.p, finest.flux);
     import_velocity(f, finest.f);
@@ -622,15 +620,13 @@ namespace feib
     velocity_cycle(0);
     export_velocity(finest.u, u);
 
-    // (grad u^T, grad v) and (div u, div v) are the same away from the boundary, and as far as the
-    // pressures can tell they add (nu + gamma) Mp^{-1} B u to the pressure.
-    if (coefficients.nu + coefficients.gamma > 0)
+    // What A lacks: as far as the pressures can tell, it adds Mp^{-1} B u to the pressure.
+    const double lacking = form.nu - cycled.nu + form.gamma;
+    if (lacking > 0)
       {
         finest.mesh->expand(finest.u);
         finest.mesh->apply_divergence(finest.u, finest.g);
-        finest.mesh->add_inverse_pressure_mass(coefficients.nu + coefficients.gamma,
-                                               finest.g,
-                                               finest.p);
+        finest.mesh->add_inverse_pressure_mass(lacking, finest.g, finest.p);
       }
     export_pressure(finest.p, p);
   }

@@ -17,21 +17,15 @@ namespace feib
   class StokesMultigrid
   {
   public:
-    /// The form alpha (u, v) + mu (grad u, grad v) + nu (grad u^T, grad v) + gamma (div u, div v).
-    struct Coefficients
-    {
-      double alpha, mu, nu, gamma;
-    };
-
-    /// Builds the levels for the mesh of the space when it changed, and what depends on the
-    /// coefficients when those did. Collective.
-    void prepare(const EulerianSpace<dim> &space, const Coefficients &coefficients);
+    /// Builds the levels for the mesh of the space when it changed, and what depends on the form of
+    /// the velocity when that did. Collective.
+    void prepare(const EulerianSpace<dim> &space, const VelocityForm &form);
 
     /// (u, p) ~ matrix^{-1} (f, g) for condensed f; constrained entries of u are zero. Collective.
     void
     solve(const VelocityVector &f, const PressureVector &g, VelocityVector &u, PressureVector &p);
 
-    /// The parts of it: p ~ Lp^{-1} g and u ~ (alpha M + mu K)^{-1} f by one cycle, in condensed
+    /// The parts of it: p ~ Lp^{-1} g and u ~ A^{-1} f by one cycle, in condensed
     /// vectors of the space. Collective.
     void solve_pressure(const PressureVector &g, PressureVector &p);
     void solve_velocity(const VelocityVector &f, VelocityVector &u);
@@ -55,7 +49,7 @@ namespace feib
     {
       std::unique_ptr<MultigridLevel<dim>> mesh;
 
-      // A: alpha M + mu K
+      // A: the form of the cycles
       Chebyshev velocity_smoother;
       LevelVector<float> inverse_diagonal;
       LevelVector<float> u, f, velocity_product, velocity_step;
@@ -93,7 +87,8 @@ namespace feib
     void factorize_velocity();
 
     unsigned int revision = 0;
-    Coefficients coefficients{0, 0, 0, 0};
+    VelocityForm form{0, 0};           // of the equations
+    VelocityForm cycled{0, 0};         // what the cycles see of it
     std::vector<Level> levels;         // the finest first
     unsigned int last_velocity = 0;    // the level where the velocity cycle ends
     bool direct_velocity       = true; // with a factorisation, or with Chebyshev's iteration alone
