@@ -346,15 +346,15 @@ TEST(Multigrid, IterationsDoNotGrow)
           std::cout << "dt " << dt << ", mu " << mu << ": cold (warm) iterations " << cold << " ("
                     << warm << "), 64^2 " << fine_cold << " (" << fine_warm << "), 2 levels "
                     << local_cold << " (" << local_warm << ")" << std::endl;
-        EXPECT_LE(cold, 22u);
+        EXPECT_LE(cold, 13u);
         EXPECT_LE(fine_cold, cold + 2);
-        EXPECT_LE(local_cold, cold + 3);
-        EXPECT_LE(warm, 9u);
+        EXPECT_LE(local_cold, cold + 2);
+        EXPECT_LE(warm, 8u);
         EXPECT_LE(fine_warm, warm + 1);
         EXPECT_LE(local_warm, warm + 3);
       }
   const auto [cold, warm] = iterations<3>(8, 1, 1e-2, 1e-2);
-  EXPECT_LE(cold, 22u);
+  EXPECT_LE(cold, 13u);
   EXPECT_LE(warm, 7u);
 }
 
@@ -374,9 +374,10 @@ TEST(Multigrid, ProjectionAfterRemeshing)
         VelocityVector r = space->make_velocity();
         PressureVector g = space->make_pressure(), p = space->make_pressure();
         operators.subtract_stokes(1., space->velocity, p, r, g);
-        return g.l2_norm() / space->smallest_edge();
+        return g.l2_norm();
       };
-      EXPECT_LT(divergence(), 1e-8);
+      // The tolerance, and the norm of the fluxes through the cells, which is about 1.
+      EXPECT_LT(divergence(), 1e-9);
       // Coarsening loses what the finer cells knew.
       space->adapt(
         [&](auto &mesh) {
@@ -390,10 +391,10 @@ TEST(Multigrid, ProjectionAfterRemeshing)
               }
         },
         false);
-      EXPECT_GT(divergence(), 1e-4);
+      EXPECT_GT(divergence(), 3e-6);
       const VelocityVector before = space->velocity;
       solver->project(*space);
-      EXPECT_LT(divergence(), 1e-8);
+      EXPECT_LT(divergence(), 1e-9);
       VelocityVector change = space->velocity;
       change -= before;
       EXPECT_LT(change.l2_norm(), .02 * before.l2_norm());

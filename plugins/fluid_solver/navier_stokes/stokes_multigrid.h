@@ -71,27 +71,30 @@ namespace feib
     void import_pressure(const PressureVector &from, float factor, LevelVector<float> &to) const;
     void export_pressure(const LevelVector<float> &from, PressureVector &to) const;
 
-    /// result = B Ml^{-1} B^T p
+    /// result = B Ml^{-1} B^T p or (sharp) something nearer to B M^{-1} B^T p.
     void apply_pressure_operator(Level &level,
                                  const LevelVector<float> &p,
-                                 LevelVector<float> &result) const;
+                                 LevelVector<float> &result,
+                                 bool sharp) const;
 
     void smooth_velocity(Level &level, const Chebyshev &smoother, bool from_zero) const;
-    void smooth_pressure(Level &level, const Chebyshev &smoother, bool from_zero) const;
+    void smooth_pressure(Level &level, const Chebyshev &smoother, bool from_zero, bool sharp) const;
 
-    /// u = about A^{-1} f, p = about Lp^{-1} g.
+    /// u = about A^{-1} f, p = about Lp^{-1} g; where inertia counts, the last smoothing on the
+    /// finest level sees the sharper operator.
     void velocity_cycle(unsigned int l);
-    void pressure_cycle(unsigned int l);
+    void pressure_cycle(unsigned int l, bool sharp);
 
     void factorize_pressure();
     void factorize_velocity();
 
     unsigned int revision = 0;
-    VelocityForm form{0, 0};           // of the equations
-    VelocityForm cycled{0, 0};         // what the cycles see of it
-    std::vector<Level> levels;         // the finest first
-    unsigned int last_velocity = 0;    // the level where the velocity cycle ends
-    bool direct_velocity       = true; // with a factorisation, or with Chebyshev's iteration alone
+    VelocityForm form{0, 0};            // of the equations
+    VelocityForm cycled{0, 0};          // what the cycles see of it
+    std::vector<Level> levels;          // the finest first
+    bool inertia_counts        = false; // so that the cycle of the pressure is to be sharp
+    unsigned int last_velocity = 0;     // the level where the velocity cycle ends
+    bool direct_velocity       = true;  // with a factorisation, or with Chebyshev's iteration alone
 
     std::unique_ptr<dealii::SparseDirectUMFPACK> pressure_factor, velocity_factor;
     bool enclosed = false;
