@@ -154,9 +154,26 @@ namespace feib
 
     Norms norms(const Space &space, const VelocityVector &r, const PressureVector &g) const;
 
-    /// What a residual of the divergence counts beside one of momentum of the size @p scale.
+    /// The force per flux that stops it in a time step, by dimensions.
     double
-    divergence_weight(const Space &space, double rate, const Norms &norms, double scale) const;
+    impedance(const Space &space, const double rate) const
+    {
+      const double h = space.smallest_edge();
+      return operators.terms().rho * rate * h + operators.terms().mu / h;
+    }
+
+    /// What the divergence is compared with: the fluxes, unless they are next to nothing beside
+    /// what momentum of the size @p scale could cause.
+    double
+    relevant_flux(const Space &space,
+                  const double rate,
+                  const Norms &norms,
+                  const double scale) const
+    {
+      // Cycles in single precision tell fluxes from such fractions, not from much smaller ones.
+      constexpr double least = 1e-4;
+      return std::max(norms.divergence_scale, least * scale / impedance(space, rate));
+    }
 
     void remove_mean_pressure(Space &space) const;
 
@@ -428,21 +445,6 @@ namespace feib
 
 
   template <int dim>
-  double
-  NavierStokes<dim>::divergence_weight(const Space &space,
-                                       const double rate,
-                                       const Norms &norms,
-                                       const double scale) const
-  {
-    if (norms.divergence_scale > 0)
-      return scale / norms.divergence_scale;
-    // From rest: by dimensions.
-    const double h = space.smallest_edge();
-    return operators.terms().rho * rate * h + operators.terms().mu / h;
-  }
-
-
-  template <int dim>
   void
   NavierStokes<dim>::remove_mean_pressure(Space &space) const
   {
@@ -592,6 +594,7 @@ namespace feib
     const bool linear =
       convection != Convection::implicit && (!step.implicit_load || step.implicit_load->linear());
 
+    const double rate = 1 / step.dt;
     Report report;
     Residual present = residual(space, step, fixed);
     check_net_flux(space, present.divergence, present.norms.divergence_scale);
@@ -609,7 +612,7 @@ namespace feib
         // The divergence is a linear equation: any correction solves it as far as round-off allows.
         if (first ? scale == 0. && norms.divergence == 0.
                   : norms.momentum <= tolerance * scale &&
-                      norms.divergence <= tolerance * norms.divergence_scale)
+                      norms.divergence <= tolerance * relevant_flux(space, rate, norms, scale))
           break;
         if (report.nonlinear_iterations >= max_iterations)
           throw RunFailure(
@@ -627,12 +630,13 @@ namespace feib
         report.linear_iterations +=
           solver.solve({space,
                         operators,
-                        1 / step.dt,
+                        rate,
                         convection == Convection::implicit ? &space.velocity : nullptr,
                         step.implicit_load},
                        present.momentum,
                        present.divergence,
-                       divergence_weight(space, 1 / step.dt, norms, scale),
+                       norms.divergence_scale > 0 ? scale / relevant_flux(space, rate, norms, scale)
+                                                  : impedance(space, rate),
                        target,
                        du,
                        dp);
