@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "body_force_load.h"
 
+#include "cell_kernels.h"
+
 #include <deal.II/base/quadrature_lib.h>
 
 namespace feib
@@ -26,9 +28,7 @@ namespace feib
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
         const auto &cell = space.cells()[c];
-        double det       = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          det *= cell.size[a];
+        const double det = cell_volume(cell.size);
         for (unsigned int q = 0; q < quadrature.size(); ++q)
           for (unsigned int a = 0; a < dim; ++a)
             points[q][a] = cell.lower[a] + cell.size[a] * quadrature.point(q)[a];

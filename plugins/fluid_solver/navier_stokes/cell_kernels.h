@@ -2,6 +2,8 @@
 #ifndef feib_plugins_navier_stokes_cell_kernels_h
 #define feib_plugins_navier_stokes_cell_kernels_h
 
+#include <deal.II/base/tensor.h>
+
 #include <algorithm>
 #include <type_traits>
 
@@ -52,6 +54,28 @@ namespace feib
   {
     for (unsigned int l = 0; l < filled; ++l)
       to[indices[l]] += values[l];
+  }
+
+
+  template <int dim>
+  inline double
+  cell_volume(const dealii::Tensor<1, dim> &size)
+  {
+    double result = 1;
+    for (unsigned int a = 0; a < dim; ++a)
+      result *= size[a];
+    return result;
+  }
+
+  /// Calls action with std::integral_constant 0, ..., dim - 1.
+  template <int dim, class Action>
+  inline void
+  for_directions(const Action &action)
+  {
+    action(std::integral_constant<unsigned int, 0>());
+    action(std::integral_constant<unsigned int, 1>());
+    if constexpr (dim == 3)
+      action(std::integral_constant<unsigned int, 2>());
   }
 
 
@@ -121,13 +145,10 @@ namespace feib
   template <int dim, typename Number>
   struct CellFactors
   {
-    template <class Size>
-    CellFactors(const VelocityForm &form, const Size &size, const unsigned int a)
+    CellFactors(const VelocityForm &form, const dealii::Tensor<1, dim> &size, const unsigned int a)
     {
-      double volume = 1;
-      for (unsigned int b = 0; b < dim; ++b)
-        volume *= size[b];
-      mass = form.alpha * volume;
+      const double volume = cell_volume(size);
+      mass                = form.alpha * volume;
       for (unsigned int b = 0; b < dim; ++b)
         stiffness[b] =
           (form.mu + (a == b ? form.nu + form.gamma : 0.)) * volume / (size[b] * size[b]);
@@ -190,37 +211,28 @@ namespace feib
 
 
   /// out = the form applied to u, all components, component by component.
-  template <int dim, typename Number, typename V, class Size>
+  template <int dim, typename Number, typename V>
   inline void
-  apply_velocity_form(const VelocityForm &form, const Size &size, const V *u, V *out)
+  apply_velocity_form(const VelocityForm &form,
+                      const dealii::Tensor<1, dim> &size,
+                      const V *u,
+                      V *out)
   {
     constexpr unsigned int n = dim == 2 ? 9 : 27;
     for (unsigned int a = 0; a < dim; ++a)
       apply_helmholtz<dim>(CellFactors<dim, Number>(form, size, a), u + a * n, out + a * n);
     if (!form.couples())
       return;
-    double volume = 1;
-    for (unsigned int a = 0; a < dim; ++a)
-      volume *= size[a];
-    const auto couple = [&](auto a, auto b) {
-      const double scale = volume / (size[a.value] * size[b.value]);
-      add_coupling<dim, a, b>(Number(form.nu * scale),
-                              Number(form.gamma * scale),
-                              u + b * n,
-                              out + a * n);
-    };
-    using Zero = std::integral_constant<unsigned int, 0>;
-    using One  = std::integral_constant<unsigned int, 1>;
-    couple(Zero(), One());
-    couple(One(), Zero());
-    if constexpr (dim == 3)
-      {
-        using Two = std::integral_constant<unsigned int, 2>;
-        couple(Zero(), Two());
-        couple(Two(), Zero());
-        couple(One(), Two());
-        couple(Two(), One());
-      }
+    for_directions<dim>([&](const auto a) {
+      for_directions<dim>([&](const auto b) {
+        const double scale = cell_volume(size) / (size[a.value] * size[b.value]);
+        if constexpr (a.value != b.value)
+          add_coupling<dim, a.value, b.value>(Number(form.nu * scale),
+                                              Number(form.gamma * scale),
+                                              u + b.value * n,
+                                              out + a.value * n);
+      });
+    });
   }
 
 

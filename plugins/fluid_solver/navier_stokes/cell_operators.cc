@@ -3,6 +3,8 @@
 
 #include "cell_kernels.h"
 
+#include "cell_kernels.h"
+
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_dgp.h>
 #include <deal.II/fe/fe_q.h>
@@ -12,20 +14,6 @@
 
 namespace feib
 {
-  namespace
-  {
-    template <int dim>
-    double
-    volume(const dealii::Tensor<1, dim> &size)
-    {
-      double result = 1;
-      for (unsigned int a = 0; a < dim; ++a)
-        result *= size[a];
-      return result;
-    }
-  } // namespace
-
-
   template <int dim>
   void
   velocity_values(const Reconstruction<dim> *reconstruction,
@@ -120,7 +108,7 @@ namespace feib
                                       const bool symmetric,
                                       const double gamma) const
   {
-    const double det = volume(size);
+    const double det = cell_volume(size);
     std::vector<double> matrix(n_u * n_u, 0.);
     for (unsigned int i = 0; i < n_u; ++i)
       for (unsigned int j = 0; j < n_u; ++j)
@@ -146,7 +134,7 @@ namespace feib
   std::vector<double>
   CellOperators<dim>::divergence_matrix(const Size &size) const
   {
-    const double det = volume(size);
+    const double det = cell_volume(size);
     std::vector<double> matrix(n_p * n_u);
     for (unsigned int k = 0; k < n_p; ++k)
       for (unsigned int a = 0; a < dim; ++a)
@@ -164,7 +152,7 @@ namespace feib
                                         const ConvectiveForm form,
                                         const unsigned int outflow_faces) const
   {
-    const double det = volume(size);
+    const double det = cell_volume(size);
     const bool skew  = form == ConvectiveForm::skew_symmetric;
     std::vector<double> matrix(n_u * n_u, 0.);
     for (unsigned int q = 0; q < n_q; ++q)
@@ -222,7 +210,7 @@ namespace feib
     Value result = {};
     for (unsigned int i = 0; i < n; ++i)
       result += face_phi[f][q][i] * w[f / 2 * n + i];
-    return result * (f % 2 == 0 ? -1. : 1.) * volume(size) / size[f / 2];
+    return result * (f % 2 == 0 ? -1. : 1.) * cell_volume(size) / size[f / 2];
   }
 
 
@@ -237,7 +225,7 @@ namespace feib
                                      Value *result,
                                      const unsigned int outflow_faces) const
   {
-    const double det      = volume(size);
+    const double det      = cell_volume(size);
     const bool skew       = form == ConvectiveForm::skew_symmetric;
     const bool rotational = form == ConvectiveForm::rotational;
     for (unsigned int q = 0; q < n_q; ++q)

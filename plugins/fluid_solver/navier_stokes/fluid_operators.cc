@@ -9,20 +9,6 @@
 
 namespace feib
 {
-  namespace
-  {
-    template <int dim>
-    double
-    volume(const dealii::Tensor<1, dim> &size)
-    {
-      double result = 1;
-      for (unsigned int a = 0; a < dim; ++a)
-        result *= size[a];
-      return result;
-    }
-  } // namespace
-
-
   template <int dim>
   void
   FluidOperators<dim>::set_reconstruction(const Reconstruction<dim> &reconstruction)
@@ -175,8 +161,8 @@ namespace feib
         for (unsigned int k = 0; k < n_p; ++k)
           pressure[k] = feib::gather(p.begin(), batch.pressures + k * lanes);
         velocity_form(batch, rate, 1., local, product);
-        const double measure = volume(batch.size);
-        for_directions([&](const auto a) {
+        const double measure = cell_volume(batch.size);
+        for_directions<dim>([&](const auto a) {
           const double scale = measure / batch.size[a.value];
           apply_gradient<dim, a.value>(scale, pressure, force);
           feib::add_divergence<dim, a.value>(scale, local + a.value * n, divergence);
@@ -196,11 +182,11 @@ namespace feib
   {
     for (const CellBatch &batch : batches)
       {
-        const double measure = volume(batch.size);
+        const double measure = cell_volume(batch.size);
         Values pressure[n_p], force[n_u];
         for (unsigned int k = 0; k < n_p; ++k)
           pressure[k] = feib::gather(p.begin(), batch.pressures + k * lanes);
-        for_directions([&](const auto a) {
+        for_directions<dim>([&](const auto a) {
           apply_gradient<dim, a.value>(measure / batch.size[a.value],
                                        pressure,
                                        force + a.value * n);
@@ -216,10 +202,10 @@ namespace feib
   {
     for (const CellBatch &batch : batches)
       {
-        const double measure = volume(batch.size);
+        const double measure = cell_volume(batch.size);
         Values local[n_u], divergence[n_p] = {};
         gather(u, batch, local);
-        for_directions([&](const auto a) {
+        for_directions<dim>([&](const auto a) {
           feib::add_divergence<dim, a.value>(measure / batch.size[a.value],
                                              local + a.value * n,
                                              divergence);
@@ -320,7 +306,7 @@ namespace feib
     typename FluidSolver<dim>::Balance result;
     for (const CellBatch &batch : batches)
       {
-        const double measure = volume(batch.size);
+        const double measure = cell_volume(batch.size);
         Values u[n_u], product[n_u], energy = {}, divergence = {};
         gather(space.velocity, batch, u);
         velocity_form(batch, .5, 0., u, product);

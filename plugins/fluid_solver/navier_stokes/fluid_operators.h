@@ -101,16 +101,6 @@ namespace feib
     using Values                        = Batch<double>::Values;
     static constexpr unsigned int lanes = Batch<double>::lanes;
 
-    template <class Action>
-    static void
-    for_directions(const Action &action)
-    {
-      action(std::integral_constant<unsigned int, 0>());
-      action(std::integral_constant<unsigned int, 1>());
-      if constexpr (dim == 3)
-        action(std::integral_constant<unsigned int, 2>());
-    }
-
     /// Cells of one size, with outflow over the same faces.
     struct CellBatch
     {

@@ -60,16 +60,6 @@ namespace feib
       return {std::accumulate(all.begin(), all.begin() + rank, global_dof_index(0)),
               std::accumulate(all.begin(), all.end(), global_dof_index(0))};
     }
-
-    template <class Size>
-    double
-    product(const Size &size)
-    {
-      double result = 1;
-      for (unsigned int a = 0; a < Size::dimension; ++a)
-        result *= size[a];
-      return result;
-    }
   } // namespace
 
 
@@ -609,9 +599,9 @@ namespace feib
     for (unsigned int b = 0; b < batches.size(); ++b)
       {
         const Size size = cell_size(b);
-        for_directions([&](const auto a) {
+        for_directions<dim>([&](const auto a) {
           V product[n];
-          feib::apply_gradient<dim, a>(float(feib::product(size) / size[a.value]),
+          feib::apply_gradient<dim, a>(float(cell_volume(size) / size[a.value]),
                                        pressure + b * n_pressure,
                                        product);
           for (unsigned int i = 0; i < n; ++i)
@@ -634,11 +624,11 @@ namespace feib
       {
         const Size size   = cell_size(b);
         V sum[n_pressure] = {};
-        for_directions([&](const auto a) {
+        for_directions<dim>([&](const auto a) {
           V local[n];
           for (unsigned int i = 0; i < n; ++i)
             local[i] = gather(from + a, nodes(b) + i * lanes);
-          feib::add_divergence<dim, a>(float(feib::product(size) / size[a.value]), local, sum);
+          feib::add_divergence<dim, a>(float(cell_volume(size) / size[a.value]), local, sum);
         });
         for (unsigned int k = 0; k < n_pressure; ++k)
           to[b * n_pressure + k] = sum[k];
@@ -654,7 +644,7 @@ namespace feib
   {
     for (unsigned int b = 0; b < batches.size(); ++b)
       {
-        const float scale = factor / feib::product(cell_size(b));
+        const float scale = factor / cell_volume(cell_size(b));
         for (unsigned int i = b * n_pressure * lanes; i < (b + 1) * n_pressure * lanes; ++i)
           result.begin()[i] += scale * g.begin()[i];
       }
@@ -737,7 +727,7 @@ namespace feib
     for (unsigned int b = 0; b < batches.size(); ++b)
       {
         const Size size     = cell_size(b);
-        const double volume = feib::product(size);
+        const double volume = cell_volume(size);
         for (unsigned int l = 0; l < lanes; ++l)
           {
             const unsigned int slot                  = b * lanes + l;

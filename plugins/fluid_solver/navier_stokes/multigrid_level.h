@@ -203,17 +203,6 @@ namespace feib
 
     void sum(LevelVector<float> &v) const;
 
-    /// Calls action with std::integral_constant 0, ..., dim - 1.
-    template <class Action>
-    static void
-    for_directions(const Action &action)
-    {
-      action(std::integral_constant<unsigned int, 0>());
-      action(std::integral_constant<unsigned int, 1>());
-      if constexpr (dim == 3)
-        action(std::integral_constant<unsigned int, 2>());
-    }
-
     MPI_Comm communicator; // MPI_COMM_SELF for replicated levels
     Size unit;
     std::vector<double> edges; // of all cells of the lattice

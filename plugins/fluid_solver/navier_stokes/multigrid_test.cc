@@ -358,6 +358,28 @@ TEST(Multigrid, IterationsDoNotGrow)
   EXPECT_LE(warm, 7u);
 }
 
+TEST(Multigrid, FluidAtRestUnderItsWeight)
+{
+  // All that moves is what tolerance and round-off leave, and its divergence counts for nothing.
+  for (const std::string tolerance : {"1e-7", "1e-11"})
+    {
+      const auto space = feib::testing::make_space<2>(box<2>(8));
+      const auto solver =
+        make_solver<2>("\"density\": 1, \"viscosity\": 1, \"tolerance\": " + tolerance +
+                       ", \"linear_solver\": \"multigrid\", \"body_force\": "
+                       "[\"1\", \"-2\"]");
+      solver->initialize(*space);
+      const VelocityVector load = space->make_velocity();
+      for (unsigned int step = 1; step <= 3; ++step)
+        {
+          space->old_velocity = space->older_velocity = space->velocity;
+          const auto report = solver->advance(*space, {.01 * step, .01, load});
+          EXPECT_LE(report.linear_iterations, 24u) << tolerance << ", step " << step;
+        }
+      EXPECT_LT(space->velocity.linfty_norm(), .1 * std::stod(tolerance));
+    }
+}
+
 TEST(Multigrid, ProjectionAfterRemeshing)
 {
   for (const std::string method : {"direct", "multigrid"})

@@ -421,12 +421,11 @@ namespace feib
     double scale = 0;
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
-        double det       = 1;
         const auto &size = space.cells()[c].size;
+        const double det = cell_volume(size);
         double sum       = 0;
         for (unsigned int a = 0; a < dim; ++a)
           {
-            det *= size[a];
             double largest = 0;
             for (unsigned int i = 0; i < n; ++i)
               largest =
@@ -451,9 +450,7 @@ namespace feib
     double integral = 0, volume = 0;
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
-        double det = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          det *= space.cells()[c].size[a];
+        const double det = cell_volume(space.cells()[c].size);
         // The other basis functions have no mean.
         integral += det * space.pressure.local_element(space.pressure_dofs(c)[0]);
         volume += det;

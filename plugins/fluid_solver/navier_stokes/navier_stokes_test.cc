@@ -817,7 +817,7 @@ namespace
     // The gradient of sin(pi x) exp(y), in 3D times cos(z).
     const auto solver =
       make_solver<dim>("{\"density\": 1, \"viscosity\": " + std::to_string(viscosity) +
-                       ", \"convection\": \"none\", \"body_force\": " +
+                       ", \"tolerance\": 1e-10, \"convection\": \"none\", \"body_force\": " +
                        (dim == 2 ? "[\"pi*cos(pi*x)*exp(y)\", \"sin(pi*x)*exp(y)\"]"
                                  : "[\"pi*cos(pi*x)*exp(y)*cos(z)\", \"sin(pi*x)*exp(y)*cos(z)\", "
                                    "\"-sin(pi*x)*exp(y)*sin(z)\"]") +

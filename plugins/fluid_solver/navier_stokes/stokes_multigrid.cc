@@ -127,7 +127,7 @@ namespace feib
                             0.};
     // What lumping the mass does to pressures counts only where inertia does.
     constexpr double dominated = .1;
-    inertia_counts = wanted.mu < dominated * wanted.alpha * h * h;
+    inertia_counts             = wanted.mu < dominated * wanted.alpha * h * h;
     const bool new_form =
       seen.alpha != cycled.alpha || seen.mu != cycled.mu || seen.nu != cycled.nu;
     form   = wanted;
@@ -306,10 +306,8 @@ namespace feib
     std::vector<std::vector<std::pair<unsigned int, double>>> columns(level.u.locally_owned_size());
     for (unsigned int b = 0; b < mesh.n_batches(); ++b)
       {
-        const auto size = mesh.cell_size(b);
-        double volume   = 1;
-        for (unsigned int a = 0; a < dim; ++a)
-          volume *= size[a];
+        const auto size     = mesh.cell_size(b);
+        const double volume = cell_volume(size);
         for (unsigned int l = 0; l < mesh.n_filled(b); ++l)
           for (unsigned int i = 0; i < n; ++i)
             for (unsigned int a = 0; a < dim; ++a)
