@@ -3,8 +3,6 @@
 
 #include "cell_kernels.h"
 
-#include "cell_kernels.h"
-
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_dgp.h>
 #include <deal.II/fe/fe_q.h>

@@ -659,11 +659,11 @@ namespace feib
   {
     reinit_velocity(result);
     std::array<Masters, n> of_node;
+    double matrix[dim][n][n], diagonal[dim][n];
     for (unsigned int b = 0; b < batches.size(); ++b)
       {
-        // The cell's matrices of the components with themselves.
-        double matrix[dim][n][n], diagonal[dim][n];
-        for (unsigned int a = 0; a < dim; ++a)
+        // The cell's matrices of the components with themselves; cells of one size are neighbours.
+        for (unsigned int a = 0; a < dim && (b == 0 || batches[b].edge != batches[b - 1].edge); ++a)
           {
             const CellFactors<dim, double> factors(form, cell_size(b), a);
             for (unsigned int j = 0; j < n; ++j)

@@ -4,6 +4,7 @@
 #include "navier_stokes_schema.h"
 #include "stokes_solver.h"
 
+#include "cell_kernels.h"
 #include <feib/error.h>
 #include <feib/expression.h>
 #include <feib/fluid_solver.h>
@@ -154,11 +155,10 @@ namespace feib
 
     Norms norms(const Space &space, const VelocityVector &r, const PressureVector &g) const;
 
-    /// The force per flux that stops it in a time step, by dimensions.
+    /// The force per flux that stops it in a time step, by dimensions, for cells of size @p h.
     double
-    impedance(const Space &space, const double rate) const
+    impedance(const double h, const double rate) const
     {
-      const double h = space.smallest_edge();
       return operators.terms().rho * rate * h + operators.terms().mu / h;
     }
 
@@ -167,12 +167,19 @@ namespace feib
     double
     relevant_flux(const Space &space,
                   const double rate,
-                  const Norms &norms,
+                  const Norms &residuals,
                   const double scale) const
     {
       // Cycles in single precision tell fluxes from such fractions, not from much smaller ones.
       constexpr double least = 1e-4;
-      return std::max(norms.divergence_scale, least * scale / impedance(space, rate));
+      double base            = 0;
+      for (unsigned int a = 0; a < dim; ++a)
+        base =
+          std::max(base,
+                   (space.domain().upper[a] - space.domain().lower[a]) / space.domain().cells[a]);
+      return std::max(residuals.divergence_scale,
+                      least * scale /
+                        std::max(impedance(space.smallest_edge(), rate), impedance(base, rate)));
     }
 
     void remove_mean_pressure(Space &space) const;
@@ -304,7 +311,7 @@ namespace feib
   {
     prepare(space);
     // The correction of the velocity is all inertia; without the reconstruction, as |R v| is no
-    // norm: on uniform meshes some v has R v = 0.
+    // norm: on uniform meshes some v has R v = 0. There are no forces to compare fluxes with.
     constexpr double rate = 1;
     VelocityVector r = space.make_velocity(), du = space.make_velocity();
     PressureVector g = space.make_pressure(), multiplier = space.make_pressure();
@@ -604,12 +611,12 @@ namespace feib
         const Norms &norms = present.norms;
         const bool first   = report.nonlinear_iterations == 0;
         history << (first ? "" : ", ") << norms.momentum / scale;
-        if (norms.divergence_scale > 0)
-          history << " (" << norms.divergence / norms.divergence_scale << ")";
+        const double flux = relevant_flux(space, rate, norms, scale);
+        if (flux > 0)
+          history << " (" << norms.divergence / flux << ")";
         // The divergence is a linear equation: any correction solves it as far as round-off allows.
         if (first ? scale == 0. && norms.divergence == 0.
-                  : norms.momentum <= tolerance * scale &&
-                      norms.divergence <= tolerance * relevant_flux(space, rate, norms, scale))
+                  : norms.momentum <= tolerance * scale && norms.divergence <= tolerance * flux)
           break;
         if (report.nonlinear_iterations >= max_iterations)
           throw RunFailure(
@@ -632,8 +639,8 @@ namespace feib
                         step.implicit_load},
                        present.momentum,
                        present.divergence,
-                       norms.divergence_scale > 0 ? scale / relevant_flux(space, rate, norms, scale)
-                                                  : impedance(space, rate),
+                       norms.divergence_scale > 0 ? scale / flux
+                                                  : impedance(space.smallest_edge(), rate),
                        target,
                        du,
                        dp);

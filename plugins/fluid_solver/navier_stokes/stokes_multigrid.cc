@@ -21,9 +21,10 @@ namespace feib
     constexpr double velocity_range = 10, pressure_range = 4;
 
     // M^{-1} ~ (1 + sharpness) Ml^{-1} - sharpness Ml^{-1} M Ml^{-1}: of B M^{-1} B^T, in a
-    // periodic box, B Ml^{-1} B^T has 1/3.1 to 1 (1/3.6 to 1 in 3D), this 1/1.5 to 1.04 (1/1.7
-    // to 1.03). The largest eigenvalue with the blocks is 1.55 to 1.83 times as large.
-    constexpr double sharpness = 1.5, sharp_bound = 1.85;
+    // periodic box, B Ml^{-1} B^T has 1/3.1 to 1 (1/3.9 to 1 in 3D), this 1/1.5 to 1.04 (1/1.9
+    // to 1.04). The largest eigenvalue with the blocks is 1.75 (1.9) times as large on cubes, and
+    // less on longer cells.
+    constexpr double sharpness = 1.5, sharp_bound = 1.9;
 
     /// Levels with at most this many cells are held by every rank: there a message costs more than
     /// the work it saves.
@@ -624,9 +625,9 @@ namespace feib
   {
     Level &finest = levels[0];
     import_pressure(g, -1, finest.g);
-    // The Schur complement of A: (alpha Lp^{-1} + (mu + nu) Mp^{-1}) g. In it the symmetric
-    // gradient is twice the other, as (grad u^T, grad v) and (div u, div v) are the same away from
-    // walls.
+    // The inverse of A's Schur complement: (alpha Lp^{-1} + (mu + nu) Mp^{-1}) g. In it the
+    // symmetric gradient is twice the other, as (grad u^T, grad v) and (div u, div v) are the same
+    // away from walls.
     if (cycled.alpha > 0)
       {
         pressure_cycle(0, inertia_counts);

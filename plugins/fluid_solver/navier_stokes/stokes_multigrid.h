@@ -9,8 +9,8 @@
 namespace feib
 {
   /// The block triangular preconditioner of Cahouet and Chabard (1988) for the saddle point matrix
-  /// [A -B^T; -B 0] with A = alpha M + mu K + coupling of components: on the pressure,
-  ///   S^{-1} = schur_mu Mp^{-1} + alpha Lp^{-1},  Lp = B Ml^{-1} B^T with the lumped mass Ml,
+  /// [A -B^T; -B 0] with A the matrix of a VelocityForm: on the pressure,
+  ///   S^{-1} = (mu + nu) Mp^{-1} + alpha Lp^{-1},  Lp = B Ml^{-1} B^T with the lumped mass Ml,
   /// and then A^{-1}, each inverse but Mp^{-1} replaced by a V-cycle in single precision. Levels
   /// are the mesh coarsened as a whole, again and again, also beyond the base cells of the domain.
   template <int dim>
