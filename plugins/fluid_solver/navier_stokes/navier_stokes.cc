@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "body_force_load.h"
+#include "cell_kernels.h"
 #include "fluid_operators.h"
 #include "navier_stokes_schema.h"
 #include "stokes_solver.h"
 
-#include "cell_kernels.h"
 #include <feib/error.h>
 #include <feib/expression.h>
 #include <feib/fluid_solver.h>
