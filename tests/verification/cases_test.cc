@@ -73,12 +73,16 @@ TEST_P(Cases, BothLinearSolversGiveTheSameSteps)
   const std::string folder = FEIB_SOURCE "/cases/" + GetParam();
   std::ifstream file(folder + "/case.json");
   const Json description = Json::parse(file, nullptr, true, true);
-  // Steps of 10^4 on the way to a steady cavity are beyond multigrid.
-  const double dt = GetParam() == "lid_driven_cavity" ? .02 : double(description["time"]["step"]);
+  // Steps of 10^4 on the way to a steady cavity are beyond multigrid; in short ones the lid would
+  // still be at rest.
+  const bool cavity = GetParam() == "lid_driven_cavity";
+  const double dt   = cavity ? .02 : double(description["time"]["step"]);
   std::ostringstream settings;
   settings << " --set /time/step=" << dt << " --set /time/end=" << 3 * dt
            << " --set /fluid/navier_stokes/tolerance=1e-11 "
               "--set '/output=[{\"ledger_csv\": {}}]' ";
+  if (cavity)
+    settings << "--set '/domain/boundary/y_max/velocity/value=[1, 0]' ";
   const TemporaryFolder temporary;
   std::map<std::string, std::vector<std::vector<double>>> rows;
   std::vector<std::string> columns;
