@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 namespace
@@ -40,6 +41,9 @@ namespace
     Result result{host.exit_code, host.output, {}, {}};
     if (host.exit_code == 2)
       return result;
+    if (!std::filesystem::exists(folder / "out/summary.json"))
+      throw std::runtime_error("exit code " + std::to_string(host.exit_code) +
+                               " and no summary.json: " + host.output);
     result.summary = read_json(folder / "out/summary.json");
     std::istringstream text(read_file(folder / "out/ledger.csv"));
     std::string line, cell;
