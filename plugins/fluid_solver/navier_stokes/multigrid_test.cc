@@ -346,11 +346,12 @@ TEST(Multigrid, IterationsDoNotGrow)
     unsigned int cold, warm;
   };
   for (const bool periodic : {false, true})
-    for (const Limits &limits : periodic ? std::vector<Limits>{{1e-1, 1., 8, 4}, {1e-3, 1e-3, 11, 4}}
-                                         : std::vector<Limits>{{1e-1, 1., 14, 5},
-                                                               {1e-1, 1e-3, 10, 9},
-                                                               {1e-3, 1., 11, 4},
-                                                               {1e-3, 1e-3, 12, 4}})
+    for (const Limits &limits : periodic
+                                  ? std::vector<Limits>{{1e-1, 1., 8, 4}, {1e-3, 1e-3, 11, 4}}
+                                  : std::vector<Limits>{{1e-1, 1., 14, 5},
+                                                        {1e-1, 1e-3, 10, 9},
+                                                        {1e-3, 1., 11, 4},
+                                                        {1e-3, 1e-3, 12, 4}})
       {
         const std::string more = periodic ? ", \"periodic\": [\"x\", \"y\"]" : "";
         const auto check       = [&](const unsigned int n, const unsigned int refinements) {
