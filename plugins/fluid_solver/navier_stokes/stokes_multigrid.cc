@@ -16,7 +16,8 @@ namespace feib
   {
     constexpr unsigned int none = static_cast<unsigned int>(-1);
 
-    // Higher degrees save an iteration at most, and no time: what is left is the Schur complement's.
+    // Higher degrees save an iteration at most, and no time: what is left is the Schur
+    // complement's.
     constexpr unsigned int velocity_degree = 4, pressure_degree = 2;
     constexpr double velocity_range = 10, pressure_range = 4;
 
