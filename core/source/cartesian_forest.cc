@@ -67,6 +67,7 @@ namespace feib
   void
   CartesianForest<dim>::rebuild(
     const dealii::parallel::distributed::Triangulation<dim> &triangulation,
+    const unsigned int base_level,
     const dealii::Point<dim> &lower_corner,
     const dealii::Point<dim> &upper_corner,
     const std::array<unsigned int, dim> &cells,
@@ -108,7 +109,7 @@ namespace feib
         nodes[node].cell = owned[cell->active_cell_index()];
     };
 
-    for (const auto &cell : triangulation.cell_iterators_on_level(0))
+    for (const auto &cell : triangulation.cell_iterators_on_level(base_level))
       {
         const dealii::Point<dim> centre = cell->center();
         unsigned int index = 0, stride = 1;

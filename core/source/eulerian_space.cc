@@ -10,10 +10,41 @@
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/numerics/vector_tools.h>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 
 namespace feib
 {
+  namespace
+  {
+    /// A number that tells meshes apart, the same on all ranks and for any division between them.
+    /// The checksum of p4est is not enough: meshes that differ by symmetric changes share it.
+    template <class Cell>
+    std::uint64_t
+    fingerprint_of(const std::vector<Cell> &cells, const MPI_Comm communicator)
+    {
+      std::uint64_t sum = 0;
+      for (const Cell &cell : cells)
+        {
+          std::uint64_t hash = cell.level;
+          for (unsigned int a = 0; a < cell.size.dimension; ++a)
+            {
+              std::uint64_t bits;
+              std::memcpy(&bits, &cell.lower[a], sizeof(bits));
+              // The finaliser of splitmix64.
+              hash += bits + 0x9e3779b97f4a7c15;
+              hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9;
+              hash = (hash ^ (hash >> 27)) * 0x94d049bb133111eb;
+              hash ^= hash >> 31;
+            }
+          sum += hash;
+        }
+      return dealii::Utilities::MPI::sum(sum, communicator);
+    }
+  } // namespace
+
+
   template <int dim>
   EulerianSpace<dim>::EulerianSpace(Domain<dim> domain, const MPI_Comm communicator)
     : box(std::move(domain))
@@ -24,8 +55,18 @@ namespace feib
     , velocity_dof_handler(mesh)
     , pressure_dof_handler(mesh)
   {
-    const std::vector<unsigned int> cells(box.cells.begin(), box.cells.end());
-    dealii::GridGenerator::subdivided_hyper_rectangle(mesh, cells, box.lower, box.upper, true);
+    // A change of the forest takes time for every tree: few large ones, of which a periodic
+    // direction needs two.
+    std::vector<unsigned int> trees(box.cells.begin(), box.cells.end());
+    while (std::all_of(trees.begin(), trees.end(), [](const unsigned int n) {
+      return n % 2 == 0 && n >= 4;
+    }))
+      {
+        for (unsigned int &n : trees)
+          n /= 2;
+        ++base_level;
+      }
+    dealii::GridGenerator::subdivided_hyper_rectangle(mesh, trees, box.lower, box.upper, true);
 
     std::vector<dealii::GridTools::PeriodicFacePair<
       typename dealii::parallel::distributed::Triangulation<dim>::cell_iterator>>
@@ -35,6 +76,7 @@ namespace feib
         dealii::GridTools::collect_periodic_faces(mesh, 2 * a, 2 * a + 1, a, pairs);
     if (!pairs.empty())
       mesh.add_periodicity(pairs);
+    mesh.refine_global(base_level);
 
     distribute_dofs();
     velocity       = make_velocity();
@@ -72,7 +114,7 @@ namespace feib
     std::array<bool, dim> periodic;
     for (unsigned int a = 0; a < dim; ++a)
       periodic[a] = box.periodic(a);
-    locator.rebuild(mesh, box.lower, box.upper, box.cells, periodic);
+    locator.rebuild(mesh, base_level, box.lower, box.upper, box.cells, periodic);
 
     cell_list.clear();
     velocity_dof_table.clear();
@@ -87,7 +129,7 @@ namespace feib
           Cell flat;
           flat.lower = cell->vertex(0);
           flat.size  = cell->vertex((1 << dim) - 1) - cell->vertex(0);
-          flat.level = cell->level();
+          flat.level = level(*cell);
           cell_list.push_back(flat);
           for (unsigned int a = 0; a < dim; ++a)
             smallest_edge_length = std::min(smallest_edge_length, flat.size[a]);
@@ -109,6 +151,7 @@ namespace feib
             pressure_dof_table.push_back(pressure_partitioner->global_to_local(i));
         }
     smallest_edge_length = dealii::Utilities::MPI::min(smallest_edge_length, mpi_communicator);
+    fingerprint          = fingerprint_of(cell_list, mpi_communicator);
     ++revision_number;
   }
 
@@ -195,34 +238,6 @@ namespace feib
   }
 
 
-  namespace
-  {
-    /// A number that tells meshes apart, the same on all ranks and for any division between them.
-    /// The checksum of p4est is not enough: meshes that differ by symmetric changes share it.
-    template <int dim>
-    std::uint64_t
-    fingerprint(const dealii::parallel::distributed::Triangulation<dim> &mesh)
-    {
-      std::uint64_t sum = 0;
-      for (const auto &cell : mesh.active_cell_iterators())
-        if (cell->is_locally_owned())
-          {
-            std::uint64_t hash = 0;
-            for (const unsigned int part : cell->id().template to_binary<dim>())
-              {
-                // The finaliser of splitmix64.
-                hash += part + 0x9e3779b97f4a7c15;
-                hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9;
-                hash = (hash ^ (hash >> 27)) * 0x94d049bb133111eb;
-                hash ^= hash >> 31;
-              }
-            sum += hash;
-          }
-      return dealii::Utilities::MPI::sum(sum, mesh.get_communicator());
-    }
-  } // namespace
-
-
   template <int dim>
   bool
   EulerianSpace<dim>::adapt(const Mark &mark, const bool repeat)
@@ -231,6 +246,13 @@ namespace feib
     // mesh.
     constexpr unsigned int most_rounds = 30;
 
+    const auto flagged = [&]() {
+      int any = 0;
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned() && (cell->refine_flag_set() || cell->coarsen_flag_set()))
+          any = 1;
+      return dealii::Utilities::MPI::max(any, mpi_communicator) == 1;
+    };
     bool changed = false;
     for (unsigned int round = 0; round < (repeat ? most_rounds : 1); ++round)
       {
@@ -240,12 +262,14 @@ namespace feib
             cell->clear_coarsen_flag();
           }
         mark(mesh);
-        mesh.prepare_coarsening_and_refinement();
-        int flagged = 0;
         for (const auto &cell : mesh.active_cell_iterators())
-          if (cell->is_locally_owned() && (cell->refine_flag_set() || cell->coarsen_flag_set()))
-            flagged = 1;
-        if (dealii::Utilities::MPI::max(flagged, mpi_communicator) == 0)
+          if (cell->is_locally_owned() && level(*cell) == 0)
+            cell->clear_coarsen_flag();
+        if (!flagged())
+          break;
+        // Some flags may have to go.
+        mesh.prepare_coarsening_and_refinement();
+        if (!flagged())
           break;
 
         using Transfer = dealii::parallel::distributed::SolutionTransfer<dim, VelocityVector>;
@@ -258,12 +282,11 @@ namespace feib
           std::vector<const VelocityVector *>{&velocity, &old_velocity});
         pressure_transfer.prepare_for_coarsening_and_refinement(pressure);
 
-        const std::uint64_t before = fingerprint(mesh);
+        const std::uint64_t before = fingerprint;
         mesh.execute_coarsening_and_refinement();
-        const bool new_mesh = fingerprint(mesh) != before;
-        changed             = changed || new_mesh;
-
         distribute_dofs();
+        const bool new_mesh               = fingerprint != before;
+        changed                           = changed || new_mesh;
         VelocityVector moved[2]           = {make_velocity(), make_velocity()};
         PressureVector moved_pressure     = make_pressure();
         std::vector<VelocityVector *> all = {&moved[0], &moved[1]};

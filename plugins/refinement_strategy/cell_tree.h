@@ -322,12 +322,13 @@ namespace feib
 
     /// Sets the flags of the locally owned cells that lead towards this mesh, level by level.
     void
-    mark(dealii::parallel::distributed::Triangulation<dim> &triangulation) const
+    mark(dealii::parallel::distributed::Triangulation<dim> &triangulation,
+         const EulerianSpace<dim> &space) const
     {
       for (const auto &cell : triangulation.active_cell_iterators())
         if (cell->is_locally_owned())
           {
-            const int l = cell->level();
+            const int l = space.level(*cell);
             if (l > level)
               cell->set_coarsen_flag();
             else if (is_split(l, cell->center()))

@@ -20,9 +20,11 @@ namespace feib
   public:
     static constexpr unsigned int not_here = static_cast<unsigned int>(-1);
 
-    /// Builds the tree for a box of @p base_cells cells. Leaves that are locally owned get the
+    /// Builds the tree for a box of @p base_cells cells, which are those of the triangulation's
+    /// level @p base_level. Leaves that are locally owned get the
     /// numbers 0, 1, ... in the order of active_cell_iterators().
     void rebuild(const dealii::parallel::distributed::Triangulation<dim> &triangulation,
+                 unsigned int base_level,
                  const dealii::Point<dim> &lower,
                  const dealii::Point<dim> &upper,
                  const std::array<unsigned int, dim> &base_cells,

@@ -42,7 +42,7 @@ namespace feib
     {
       dealii::Point<dim> lower;
       dealii::Tensor<1, dim> size;
-      unsigned int level;
+      unsigned int level; // 0: a base cell
     };
 
     EulerianSpace(Domain<dim> domain, MPI_Comm communicator = MPI_COMM_WORLD);
@@ -52,7 +52,19 @@ namespace feib
 
     const Domain<dim> &domain() const;
     MPI_Comm communicator() const;
+
+    /// The base cells of the domain and what they were split into. The trees of the forest are
+    /// larger than base cells where the numbers of cells allow, so that levels of deal.II count
+    /// from there: see level().
     const dealii::parallel::distributed::Triangulation<dim> &triangulation() const;
+
+    /// How often a base cell was halved to give @p cell, which must not be artificial.
+    int
+    level(const dealii::CellAccessor<dim> &cell) const
+    {
+      return cell.level() - int(base_level);
+    }
+
     const dealii::DoFHandler<dim> &velocity_handler() const;
     const dealii::DoFHandler<dim> &pressure_handler() const;
     const dealii::MappingCartesian<dim> &mapping() const;
@@ -64,7 +76,8 @@ namespace feib
     unsigned int revision() const;
 
     /// Marks and executes refinement until @p mark sets no flag on any rank (or once only), moving
-    /// the state to the new mesh when there is one. Returns whether the mesh changed. Collective.
+    /// the state to the new mesh when there is one. Base cells are not coarsened. Returns whether
+    /// the mesh changed. Collective.
     using Mark = std::function<void(dealii::parallel::distributed::Triangulation<dim> &)>;
     bool adapt(const Mark &mark, bool repeat);
 
@@ -141,7 +154,9 @@ namespace feib
     CartesianForest<dim> locator;
     std::vector<Cell> cell_list;
     std::vector<unsigned int> velocity_dof_table, pressure_dof_table;
+    unsigned int base_level      = 0; // of deal.II's levels, that of the base cells
     unsigned int revision_number = 0;
+    std::uint64_t fingerprint    = 0; // tells meshes apart, the same for any division between ranks
     double smallest_edge_length = 0, present_time = 0;
 
     // Constraints of the locally relevant unknowns, flat: unknown, its prescribed value and

@@ -474,7 +474,7 @@ TEST(Multigrid, ProjectionAfterRemeshing)
           for (const auto &cell : mesh.active_cell_iterators())
             if (cell->is_locally_owned())
               {
-                if (cell->level() > 0)
+                if (space->level(*cell) > 0)
                   cell->set_coarsen_flag();
                 else if (cell->center()[0] > .8)
                   cell->set_refine_flag();

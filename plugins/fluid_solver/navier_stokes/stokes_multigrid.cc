@@ -220,33 +220,47 @@ namespace feib
         level.mesh->inverse_diagonal({1., 0.}, true, level.inverse_mass);
         level.mesh->invert_blocks(level.inverse_mass, level.inverse_blocks);
 
-        // The largest eigenvalue of Lp with its blocks, by the power method.
-        level.mesh->fill_pressure(level.p);
-        double largest = 1;
-        for (unsigned int i = 0; i < 12; ++i)
-          {
-            const double norm = level.p.l2_norm();
-            if (i > 0)
-              largest = norm;
-            level.p /= norm;
-            apply_pressure_operator(level, level.p, level.g, false);
-            level.p             = 0;
-            level.pressure_step = 0;
-            update_blocks<dim>(level.mesh->n_batches(),
-                               0,
-                               1,
-                               level.inverse_blocks.begin(),
-                               level.g.begin(),
-                               nullptr,
-                               level.pressure_step.begin(),
-                               level.p.begin());
-          }
-        largest *= 1.15;
-        level.pressure_smoother = {largest / pressure_range, largest, pressure_degree};
         if (l > 0)
           levels[l - 1].mesh->connect(*level.mesh, lattices[l], families[l - 1], communicator);
       }
+    // The upper end of the spectrum is the same on all levels, to 4 %: large ones are not asked.
+    constexpr unsigned int many = 1000;
+    for (unsigned int l = levels.size(); l-- > 0;)
+      if (l + 1 < levels.size() && lattices[l].cells().size() > many)
+        levels[l].pressure_smoother = levels[l + 1].pressure_smoother;
+      else
+        set_pressure_smoother(levels[l]);
     factorize_pressure();
+  }
+
+
+  template <int dim>
+  void
+  StokesMultigrid<dim>::set_pressure_smoother(Level &level) const
+  {
+    // The largest eigenvalue of Lp with its blocks, by the power method.
+    level.mesh->fill_pressure(level.p);
+    double largest = 1;
+    for (unsigned int i = 0; i < 12; ++i)
+      {
+        const double norm = level.p.l2_norm();
+        if (i > 0)
+          largest = norm;
+        level.p /= norm;
+        apply_pressure_operator(level, level.p, level.g, false);
+        level.p             = 0;
+        level.pressure_step = 0;
+        update_blocks<dim>(level.mesh->n_batches(),
+                           0,
+                           1,
+                           level.inverse_blocks.begin(),
+                           level.g.begin(),
+                           nullptr,
+                           level.pressure_step.begin(),
+                           level.p.begin());
+      }
+    largest *= 1.15;
+    level.pressure_smoother = {largest / pressure_range, largest, pressure_degree};
   }
 
 

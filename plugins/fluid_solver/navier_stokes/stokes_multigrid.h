@@ -63,6 +63,8 @@ namespace feib
 
     void build_levels(const EulerianSpace<dim> &space);
 
+    void set_pressure_smoother(Level &level) const;
+
     void map_unknowns(const EulerianSpace<dim> &space);
 
     // Between vectors of the space and u, f, p or g of the finest level; sources are owned values.

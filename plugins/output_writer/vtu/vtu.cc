@@ -166,10 +166,11 @@ namespace
       Vector<float> level(space.triangulation().n_active_cells());
       Vector<float> subdomain(space.triangulation().n_active_cells());
       for (const auto &cell : space.triangulation().active_cell_iterators())
-        {
-          level[cell->active_cell_index()]     = cell->level();
-          subdomain[cell->active_cell_index()] = cell->subdomain_id();
-        }
+        if (cell->is_locally_owned())
+          {
+            level[cell->active_cell_index()]     = space.level(*cell);
+            subdomain[cell->active_cell_index()] = cell->subdomain_id();
+          }
 
       using namespace DataComponentInterpretation;
       DataOut<dim> out;

@@ -239,11 +239,11 @@ namespace
 
     void
     mark(parallel::distributed::Triangulation<dim> &triangulation,
-         const feib::EulerianSpace<dim> &,
+         const feib::EulerianSpace<dim> &space,
          const std::vector<feib::ImmersedStructure<dim>> &) const override
     {
       Assert(tree, ExcMessage("plan() comes first"));
-      tree->mark(triangulation);
+      tree->mark(triangulation, space);
     }
 
     unsigned int
@@ -267,9 +267,12 @@ namespace
       std::vector<Leaf<dim>> leaves;
       for (const auto &cell : space.triangulation().active_cell_iterators())
         if (cell->is_locally_owned())
-          leaves.push_back({cell->level(),
-                            feib::Lattice<dim>(space.domain(), cell->level()).place(cell->center()),
-                            indicators[cell->active_cell_index()]});
+          {
+            const int level = space.level(*cell);
+            leaves.push_back({level,
+                              feib::Lattice<dim>(space.domain(), level).place(cell->center()),
+                              indicators[cell->active_cell_index()]});
+          }
       std::vector<Leaf<dim>> result;
       for (const auto &part : Utilities::MPI::all_gather(space.communicator(), leaves))
         result.insert(result.end(), part.begin(), part.end());

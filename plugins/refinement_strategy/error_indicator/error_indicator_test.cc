@@ -124,7 +124,7 @@ namespace
         for (const auto &cell : mesh.active_cell_iterators())
           {
             if (cell->is_locally_owned() && cell->refine_flag_set())
-              names.push_back(name_of<dim>(cell->vertex(0), cell->level()));
+              names.push_back(name_of<dim>(cell->vertex(0), space.level(*cell)));
             cell->clear_refine_flag();
             cell->clear_coarsen_flag();
           }

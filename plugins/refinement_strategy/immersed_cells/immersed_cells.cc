@@ -34,7 +34,7 @@ namespace
       for (const feib::Place<dim> &place : places)
         tree.ask_for(level, place);
       tree.balance();
-      tree.mark(triangulation);
+      tree.mark(triangulation, space);
     }
 
     unsigned int

@@ -16,11 +16,11 @@ namespace
 
     void
     mark(dealii::parallel::distributed::Triangulation<dim> &triangulation,
-         const feib::EulerianSpace<dim> &,
+         const feib::EulerianSpace<dim> &space,
          const std::vector<feib::ImmersedStructure<dim>> &) const override
     {
       for (const auto &cell : triangulation.active_cell_iterators())
-        if (cell->is_locally_owned() && cell->level() < levels)
+        if (cell->is_locally_owned() && space.level(*cell) < levels)
           cell->set_refine_flag();
     }
 
