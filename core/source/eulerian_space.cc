@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/eulerian_space.h>
 
+#include "velocity_constraints.h"
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/distributed/solution_transfer.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -8,7 +10,6 @@
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
-#include <deal.II/numerics/vector_tools.h>
 
 #include <algorithm>
 #include <cstring>
@@ -162,38 +163,8 @@ namespace feib
   {
     present_time = t;
     dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
-    velocity_constraints.reinit(relevant_velocity);
-    dealii::DoFTools::make_hanging_node_constraints(velocity_dof_handler, velocity_constraints);
-    for (unsigned int a = 0; a < dim; ++a)
-      if (box.periodic(a))
-        dealii::DoFTools::make_periodicity_constraints(
-          velocity_dof_handler, 2 * a, 2 * a + 1, a, velocity_constraints);
-
-    // The first condition to reach an unknown holds: where a moving lid meets a wall at rest, the
-    // wall wins, so that no fluid passes through the corner.
-    const dealii::Functions::ZeroFunction<dim> zero(dim);
-    for (const BoundaryCondition condition :
-         {BoundaryCondition::no_slip, BoundaryCondition::free_slip, BoundaryCondition::velocity})
-      for (unsigned int f = 0; f < 2 * dim; ++f)
-        if (box.faces[f].condition == condition)
-          {
-            dealii::ComponentMask mask(dim, condition != BoundaryCondition::free_slip);
-            mask.set(f / 2, true);
-            if (condition == BoundaryCondition::velocity)
-              box.faces[f].velocity->set_time(t);
-            const dealii::Function<dim> &values =
-              condition == BoundaryCondition::velocity
-                ? *box.faces[f].velocity
-                : static_cast<const dealii::Function<dim> &>(zero);
-            dealii::VectorTools::interpolate_boundary_values(
-              cartesian_mapping, velocity_dof_handler, f, values, velocity_constraints, mask);
-          }
-    // A chain of periodic and hanging constraints may pass cells this rank does not know.
-    if (dealii::Utilities::MPI::n_mpi_processes(mpi_communicator) > 1)
-      velocity_constraints.make_consistent_in_parallel(velocity_dof_handler.locally_owned_dofs(),
-                                                       relevant_velocity,
-                                                       mpi_communicator);
-    velocity_constraints.close();
+    velocity_constraints.copy_from(make_velocity_constraints(
+      velocity_dof_handler, cartesian_mapping, box, base_level, relevant_velocity, t));
   }
 
 

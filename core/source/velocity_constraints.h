@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_source_velocity_constraints_h
+#define feib_source_velocity_constraints_h
+
+#include <feib/domain.h>
+
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/mapping_cartesian.h>
+#include <deal.II/lac/affine_constraints.h>
+
+namespace feib
+{
+  /// Hanging nodes, periodicity and boundary conditions at time @p t of the Q2 velocity on the
+  /// cells of a box, for the locally @p relevant unknowns and those their constraints lead to;
+  /// closed.
+  /// @p base_level: the level of the base cells. Collective.
+  ///
+  /// Instead of deal.II's functions for hanging nodes and periodicity, whose lines differ between
+  /// ranks where a mesh is refined across a periodic boundary, so that
+  /// AffineConstraints::make_consistent_in_parallel does not end: nodes are compared by their place
+  /// in the box, which is integer arithmetic, and the owner of an unknown decides.
+  template <int dim>
+  dealii::AffineConstraints<double>
+  make_velocity_constraints(const dealii::DoFHandler<dim> &handler,
+                            const dealii::MappingCartesian<dim> &mapping,
+                            const Domain<dim> &box,
+                            unsigned int base_level,
+                            const dealii::IndexSet &relevant,
+                            double t);
+} // namespace feib
+
+#endif
