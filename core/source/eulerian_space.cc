@@ -57,11 +57,12 @@ namespace feib
     , pressure_dof_handler(mesh)
   {
     // A change of the forest takes time for every tree: few large ones, of which a periodic
-    // direction needs two.
+    // direction needs two. p4est has 29 levels in 2D and 18 in 3D, of which cases may use 15.
+    constexpr unsigned int most = dim == 2 ? 14 : 3;
     std::vector<unsigned int> trees(box.cells.begin(), box.cells.end());
-    while (std::all_of(trees.begin(), trees.end(), [](const unsigned int n) {
-      return n % 2 == 0 && n >= 4;
-    }))
+    while (base_level < most && std::all_of(trees.begin(), trees.end(), [](const unsigned int n) {
+             return n % 2 == 0 && n >= 4;
+           }))
       {
         for (unsigned int &n : trees)
           n /= 2;
@@ -163,8 +164,8 @@ namespace feib
   {
     present_time = t;
     dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
-    velocity_constraints.copy_from(make_velocity_constraints(
-      velocity_dof_handler, cartesian_mapping, box, base_level, relevant_velocity, t));
+    velocity_constraints = make_velocity_constraints(
+      velocity_dof_handler, cartesian_mapping, box, base_level, relevant_velocity, t);
   }
 
 

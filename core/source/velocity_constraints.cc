@@ -28,6 +28,7 @@ namespace feib
             const Domain<dim> &domain,
             const unsigned int base_level)
         : box(domain)
+        , finest_level(base_level)
       {
         using Level            = signed char;
         const auto &mesh       = handler.get_triangulation();
@@ -81,17 +82,16 @@ namespace feib
         for (const Cell &cell : cells)
           for (unsigned int i = 0; i < n; ++i)
             {
-              const auto [place, is_new] = first.try_emplace(key(cell, 2, i), cell.unknowns[i]);
-              if (!is_new)
-                for (unsigned int a = 0; a < dim; ++a)
-                  place->second[a] = std::min(place->second[a], cell.unknowns[i][a]);
+              const Image image{key(cell, 2, i, false), cell.unknowns[i]};
+              const auto [place, is_new] = first.try_emplace(key(cell, 2, i), image);
+              if (!is_new && image.key < place->second.key)
+                place->second = image;
             }
       }
 
       /// Adds lines for the constrained unknowns of the cells this rank owns, all of whose
       /// neighbours it knows: a node of finer cells on the boundary of a coarser one, but not one
-      /// of its nodes, is interpolated there; of unknowns at the same place, all depend on the
-      /// first.
+      /// of its nodes, is interpolated there; of images, all depend on the first.
       void
       constrain(Constraints &constraints) const
       {
@@ -127,7 +127,7 @@ namespace feib
                     if (coarse != hanging.end())
                       interpolate(
                         *coarse->second.first, coarse->second.second, a, unknown, constraints);
-                    else if (const Index image = first.at(k)[a]; image != unknown)
+                    else if (const Index image = first.at(k).unknowns[a]; image != unknown)
                       {
                         constraints.add_line(unknown);
                         constraints.add_entry(unknown, image, 1.);
@@ -147,16 +147,27 @@ namespace feib
         std::array<std::array<Index, dim>, n> unknowns; // nodes lexicographic
       };
 
+      /// What lies at a place; of several that the periodic box identifies, that with the smallest
+      /// coordinates: the choice must not depend on the division between ranks.
+      struct Image
+      {
+        std::uint64_t key;
+        std::array<Index, dim> unknowns;
+      };
+
       /// A number for the place @p i, lexicographic, of those that divide a cell into @p parts in
-      /// each direction; the same for all that the periodic box identifies.
+      /// each direction; if @p wrapped, the same for all that the periodic box identifies.
       std::uint64_t
-      key(const Cell &cell, const unsigned int parts, unsigned int i) const
+      key(const Cell &cell,
+          const unsigned int parts,
+          unsigned int i,
+          const bool wrapped = true) const
       {
         std::uint64_t result = 0;
         for (unsigned int a = 0; a < dim; ++a, i /= parts + 1)
           {
             long x = cell.lower[a] + cell.size * long(i % (parts + 1)) / long(parts);
-            if (box.periodic(a) && x == extent[a])
+            if (wrapped && box.periodic(a) && x == extent[a])
               x = 0;
             result = result * (extent[a] + 1) + x;
           }
@@ -186,11 +197,11 @@ namespace feib
       }
 
       const Domain<dim> &box;
-      int finest_level = 0;
+      int finest_level;
       std::array<long, dim> extent;
       std::array<double, dim> per_length;
       std::vector<Cell> cells;
-      std::unordered_map<std::uint64_t, std::array<Index, dim>> first; // unknowns at a place
+      std::unordered_map<std::uint64_t, Image> first; // at a place
     };
 
 

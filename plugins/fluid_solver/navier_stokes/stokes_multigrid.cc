@@ -137,28 +137,41 @@ namespace feib
     if (!new_mesh && !new_form)
       return;
 
-    // Where the mass dominates, the smoother alone is a solver.
+    // Where the mass dominates, the smoother alone is a solver. Beside walls the Schur complement
+    // of a viscous flow has more than S^{-1} knows of.
     constexpr double well_conditioned = dim == 2 ? 10 : 20, accuracy = .05;
+    direct_velocity = false;
     for (last_velocity = 0; true; ++last_velocity)
       {
         Level &level              = levels[last_velocity];
+        const bool last           = last_velocity + 1 == levels.size();
+        const double size         = level.mesh->smallest_size();
         const auto [lower, upper] = level.mesh->spectrum(cycled);
         const double largest      = 1.05 * upper;
         level.velocity_smoother   = {largest / velocity_range, largest, velocity_degree};
         level.mesh->inverse_diagonal(cycled, false, level.inverse_diagonal);
-        direct_velocity = largest > well_conditioned * lower;
-        if (!direct_velocity)
+        level.smoother_solves = largest <= well_conditioned * lower;
+        level.coarser_first   = walls && !last && cycled.mu > cycled.alpha * size * size;
+        if (level.smoother_solves)
           {
             const double root             = std::sqrt(largest / lower);
             level.velocity_smoother.lower = lower;
             level.velocity_smoother.degree =
               std::ceil(std::log(2 / accuracy) / std::log((root + 1) / (root - 1)));
-            break;
+            if (!level.coarser_first)
+              break;
           }
-        if (last_velocity + 1 == levels.size())
+        else if (last)
           {
+            direct_velocity = true;
             factorize_velocity();
-            break;
+          }
+        if (last)
+          break;
+        if (level.coarser_first && level.first_u.size() == 0)
+          {
+            level.mesh->reinit_velocity(level.first_u);
+            level.mesh->reinit_pressure(level.first_p);
           }
       }
   }
@@ -171,6 +184,9 @@ namespace feib
     const MPI_Comm communicator = space.communicator();
     const bool parallel         = dealii::Utilities::MPI::n_mpi_processes(communicator) > 1;
     enclosed                    = space.domain().enclosed();
+    walls                       = false;
+    for (unsigned int a = 0; a < dim; ++a)
+      walls = walls || !space.domain().periodic(a);
 
     std::vector<Lattice<dim>> lattices{Lattice<dim>(space)};
     std::vector<std::vector<typename Lattice<dim>::Family>> families;
@@ -223,13 +239,20 @@ namespace feib
         if (l > 0)
           levels[l - 1].mesh->connect(*level.mesh, lattices[l], families[l - 1], communicator);
       }
-    // The upper end of the spectrum is the same on all levels, to 4 %: large ones are not asked.
+    // The upper end of the spectrum is the same on all levels, to 4 % on uniform and locally
+    // refined meshes: large ones are not asked.
     constexpr unsigned int many = 1000;
+    Chebyshev largest{0, 0, pressure_degree};
     for (unsigned int l = levels.size(); l-- > 0;)
-      if (l + 1 < levels.size() && lattices[l].cells().size() > many)
-        levels[l].pressure_smoother = levels[l + 1].pressure_smoother;
-      else
-        set_pressure_smoother(levels[l]);
+      {
+        Level &level = levels[l];
+        if (l + 1 < levels.size() && lattices[l].cells().size() > many)
+          level.pressure_smoother = largest;
+        else
+          set_pressure_smoother(level);
+        if (level.pressure_smoother.upper > largest.upper)
+          largest = level.pressure_smoother;
+      }
     factorize_pressure();
   }
 
@@ -511,7 +534,7 @@ namespace feib
   StokesMultigrid<dim>::velocity_cycle(const unsigned int l)
   {
     Level &level = levels[l];
-    if (l == last_velocity && direct_velocity)
+    if (l + 1 == levels.size() && direct_velocity)
       {
         dealii::Vector<double> values(level.f.locally_owned_size());
         std::copy_n(level.f.begin(), values.size(), values.begin());
@@ -520,7 +543,7 @@ namespace feib
         return;
       }
     smooth_velocity(level, level.velocity_smoother, true);
-    if (l == last_velocity)
+    if (level.smoother_solves)
       return;
     Level &coarse = levels[l + 1];
     level.mesh->expand(level.u);
@@ -585,6 +608,56 @@ namespace feib
   }
 
 
+  template <int dim>
+  void
+  StokesMultigrid<dim>::stokes_cycle(const unsigned int l)
+  {
+    Level &level = levels[l];
+    if (level.coarser_first)
+      {
+        Level &coarse = levels[l + 1];
+        level.mesh->restrict_velocity(level.f, coarse.f);
+        coarse.mesh->condense(coarse.f);
+        level.mesh->restrict_pressure(level.g, coarse.g);
+        stokes_cycle(l + 1);
+        level.first_u = 0;
+        level.first_p = 0;
+        coarse.mesh->expand(coarse.u);
+        level.mesh->prolongate_velocity(coarse.u, level.first_u);
+        level.mesh->prolongate_pressure(coarse.p, level.first_p);
+        // What is left of the equations.
+        level.mesh->expand(level.first_u);
+        level.mesh->apply_velocity_form(cycled, level.first_u, level.velocity_product);
+        level.f -= level.velocity_product;
+        level.mesh->apply_gradient(level.first_p, level.flux);
+        level.f += level.flux;
+        level.mesh->apply_divergence(level.first_u, level.pressure_product);
+        level.g -= level.pressure_product;
+      }
+
+    // The inverse of A's Schur complement: (alpha Lp^{-1} + (mu + nu) Mp^{-1}) g. In it the
+    // symmetric gradient is twice the other, as (grad u^T, grad v) and (div u, div v) are the same
+    // away from walls.
+    if (cycled.alpha > 0)
+      {
+        pressure_cycle(l, l == 0 && inertia_counts);
+        level.p *= cycled.alpha;
+      }
+    else
+      level.p = 0;
+    level.mesh->add_inverse_pressure_mass(cycled.mu + cycled.nu, level.g, level.p);
+    level.mesh->apply_gradient(level.p, level.flux);
+    level.f += level.flux;
+    velocity_cycle(l);
+
+    if (level.coarser_first)
+      {
+        level.u += level.first_u;
+        level.p += level.first_p;
+      }
+  }
+
+
   // --- vectors of the space
 
   template <int dim>
@@ -639,23 +712,9 @@ namespace feib
                               PressureVector &p)
   {
     Level &finest = levels[0];
-    import_pressure(g, -1, finest.g);
-    // The inverse of A's Schur complement: (alpha Lp^{-1} + (mu + nu) Mp^{-1}) g. In it the
-    // symmetric gradient is twice the other, as (grad u^T, grad v) and (div u, div v) are the same
-    // away from walls.
-    if (cycled.alpha > 0)
-      {
-        pressure_cycle(0, inertia_counts);
-        finest.p *= cycled.alpha;
-      }
-    else
-      finest.p = 0;
-    finest.mesh->add_inverse_pressure_mass(cycled.mu + cycled.nu, finest.g, finest.p);
-
-    finest.mesh->apply_gradient(finest.p, finest.flux);
     import_velocity(f, finest.f);
-    finest.f += finest.flux;
-    velocity_cycle(0);
+    import_pressure(g, -1, finest.g);
+    stokes_cycle(0);
     export_velocity(finest.u, u);
 
     // What A lacks: as far as the pressures can tell, it adds Mp^{-1} B u to the pressure.

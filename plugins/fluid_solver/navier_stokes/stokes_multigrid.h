@@ -52,6 +52,7 @@ namespace feib
       // A: the form of the cycles
       Chebyshev velocity_smoother;
       LevelVector<float> inverse_diagonal;
+      bool smoother_solves; // the mass dominates
       LevelVector<float> u, f, velocity_product, velocity_step;
 
       // Lp
@@ -59,6 +60,10 @@ namespace feib
       LevelVector<float> inverse_mass;
       dealii::AlignedVector<float> inverse_blocks;
       LevelVector<float> p, g, pressure_product, pressure_step, flux;
+
+      // both: the coarser level corrects first, by this much
+      bool coarser_first = false;
+      LevelVector<float> first_u, first_p;
     };
 
     void build_levels(const EulerianSpace<dim> &space);
@@ -87,6 +92,10 @@ namespace feib
     void velocity_cycle(unsigned int l);
     void pressure_cycle(unsigned int l, bool sharp);
 
+    /// (u, p) ~ matrix^{-1} (f, -g), f and g are used up: the triangle's two inverses, on the
+    /// coarser levels first where that is due.
+    void stokes_cycle(unsigned int l);
+
     void factorize_pressure();
     void factorize_velocity();
 
@@ -95,11 +104,11 @@ namespace feib
     VelocityForm cycled{0, 0};          // what the cycles see of it
     std::vector<Level> levels;          // the finest first
     bool inertia_counts        = false; // so that the cycle of the pressure is to be sharp
-    unsigned int last_velocity = 0;     // the level where the velocity cycle ends
-    bool direct_velocity       = true;  // with a factorisation, or with Chebyshev's iteration alone
+    unsigned int last_velocity = 0;     // the last level that velocity cycles use
+    bool direct_velocity       = true;  // they end with a factorisation there
 
     std::unique_ptr<dealii::SparseDirectUMFPACK> pressure_factor, velocity_factor;
-    bool enclosed = false;
+    bool enclosed = false, walls = false;
 
     // The unknowns of the space: for each of the finest level, and back.
     std::vector<unsigned int> space_velocity, level_velocity, space_pressure;
