@@ -79,6 +79,8 @@ namespace feib
                 }
               cells.push_back(entry);
             }
+        // Active cells come level by level: of unknowns at one place, that of the coarsest cell is
+        // kept, on all ranks.
         for (const Cell &cell : cells)
           for (unsigned int i = 0; i < n; ++i)
             {
