@@ -127,16 +127,17 @@ namespace feib
   }
 
 
-  /// The form alpha (u, v) + mu (grad u, grad v) + nu (grad u^T, grad v) + gamma (div u, div v).
+  /// The form alpha (u, v) + mu (grad u, grad v) + nu (grad u^T, grad v) + gamma (div u, div v) +
+  /// eta (P div u, P div v), with P the projection to the discontinuous P1 pressures.
   struct VelocityForm
   {
-    double alpha, mu, nu = 0, gamma = 0;
+    double alpha, mu, nu = 0, gamma = 0, eta = 0;
 
     /// Whether components depend on each other.
     bool
     couples() const
     {
-      return nu != 0 || gamma != 0;
+      return nu != 0 || gamma != 0 || eta != 0;
     }
   };
 
@@ -210,32 +211,6 @@ namespace feib
   }
 
 
-  /// out = the form applied to u, all components, component by component.
-  template <int dim, typename Number, typename V>
-  inline void
-  apply_velocity_form(const VelocityForm &form,
-                      const dealii::Tensor<1, dim> &size,
-                      const V *u,
-                      V *out)
-  {
-    constexpr unsigned int n = dim == 2 ? 9 : 27;
-    for (unsigned int a = 0; a < dim; ++a)
-      apply_helmholtz<dim>(CellFactors<dim, Number>(form, size, a), u + a * n, out + a * n);
-    if (!form.couples())
-      return;
-    for_directions<dim>([&](const auto a) {
-      for_directions<dim>([&](const auto b) {
-        const double scale = cell_volume(size) / (size[a.value] * size[b.value]);
-        if constexpr (a.value != b.value)
-          add_coupling<dim, a.value, b.value>(Number(form.nu * scale),
-                                              Number(form.gamma * scale),
-                                              u + b.value * n,
-                                              out + a.value * n);
-      });
-    });
-  }
-
-
   /// int q_k d_a phi_j on the unit cell, from products of line integrals.
   template <int dim>
   constexpr double
@@ -303,6 +278,47 @@ namespace feib
           if (divergence_table<dim>.entry[a][k][j] != 0)
             sum += u[j] * Number(divergence_table<dim>.entry[a][k][j]);
         out[k] += scale * sum;
+      }
+  }
+
+
+  /// out = the form applied to u, all components, component by component.
+  template <int dim, typename Number, typename V>
+  inline void
+  apply_velocity_form(const VelocityForm &form,
+                      const dealii::Tensor<1, dim> &size,
+                      const V *u,
+                      V *out)
+  {
+    constexpr unsigned int n = dim == 2 ? 9 : 27;
+    for (unsigned int a = 0; a < dim; ++a)
+      apply_helmholtz<dim>(CellFactors<dim, Number>(form, size, a), u + a * n, out + a * n);
+    if (form.nu != 0 || form.gamma != 0)
+      for_directions<dim>([&](const auto a) {
+        for_directions<dim>([&](const auto b) {
+          const double scale = cell_volume(size) / (size[a.value] * size[b.value]);
+          if constexpr (a.value != b.value)
+            add_coupling<dim, a.value, b.value>(Number(form.nu * scale),
+                                                Number(form.gamma * scale),
+                                                u + b.value * n,
+                                                out + a.value * n);
+        });
+      });
+    if (form.eta != 0)
+      {
+        // P div u in orthonormal functions of the cell
+        V divergence[dim + 1] = {};
+        for_directions<dim>([&](const auto a) {
+          add_divergence<dim, a.value>(Number(1 / size[a.value]), u + a.value * n, divergence);
+        });
+        for_directions<dim>([&](const auto a) {
+          V product[n];
+          apply_gradient<dim, a.value>(Number(form.eta * cell_volume(size) / size[a.value]),
+                                       divergence,
+                                       product);
+          for (unsigned int i = 0; i < n; ++i)
+            out[a.value * n + i] += product[i];
+        });
       }
   }
 } // namespace feib

@@ -664,17 +664,15 @@ namespace feib
       {
         // The cell's matrices of the components with themselves; cells of one size are neighbours.
         for (unsigned int a = 0; a < dim && (b == 0 || batches[b].edge != batches[b - 1].edge); ++a)
-          {
-            const CellFactors<dim, double> factors(form, cell_size(b), a);
-            for (unsigned int j = 0; j < n; ++j)
-              {
-                double unit_vector[n] = {};
-                unit_vector[j]        = 1;
-                apply_helmholtz<dim>(factors, unit_vector, matrix[a][j]);
-                diagonal[a][j] =
-                  row_sums ? std::accumulate(matrix[a][j], matrix[a][j] + n, 0.) : matrix[a][j][j];
-              }
-          }
+          for (unsigned int j = 0; j < n; ++j)
+            {
+              double unit_vector[dim * n] = {}, product[dim * n];
+              unit_vector[a * n + j]      = 1;
+              feib::apply_velocity_form<dim, double>(form, cell_size(b), unit_vector, product);
+              std::copy_n(product + a * n, n, matrix[a][j]);
+              diagonal[a][j] =
+                row_sums ? std::accumulate(matrix[a][j], matrix[a][j] + n, 0.) : matrix[a][j][j];
+            }
         for (unsigned int l = 0; l < batches[b].filled; ++l)
           if (row_sums || !hanging_cells[b * lanes + l])
             for (unsigned int i = 0; i < n; ++i)
@@ -806,16 +804,47 @@ namespace feib
             feib::apply_velocity_form<dim, double>(form, edge * unit, unit_vector, matrix[j]);
           }
         // Without coupling, the first component tells all.
-        const unsigned int size = form.couples() ? n_velocity : n;
-        dealii::LAPACKFullMatrix<double> scaled(size, size);
-        for (unsigned int i = 0; i < size; ++i)
-          for (unsigned int j = 0; j < size; ++j)
-            scaled(i, j) = matrix[i][j] / std::sqrt(matrix[i][i] * matrix[j][j]);
-        dealii::Vector<double> values;
-        dealii::FullMatrix<double> vectors;
-        scaled.compute_eigenvalues_symmetric(-1., 2. * n_velocity, 1e-10, values, vectors);
-        least = std::min(least, values[0]);
-        most  = std::max(most, values[values.size() - 1]);
+        const unsigned int n_components = form.couples() ? dim : 1;
+
+        // The extreme eigenvalues of D^{-1} A with unknown place(i) of A for unknown i of the cell,
+        // times sign(i).
+        const auto extremes = [&](const unsigned int size, const auto &place, const auto &sign) {
+          dealii::LAPACKFullMatrix<double> scaled(size, size);
+          dealii::Vector<double> diagonal(size), values;
+          for (unsigned int i = 0; i < n_components * n; ++i)
+            diagonal(place(i)) += matrix[i][i];
+          for (unsigned int i = 0; i < n_components * n; ++i)
+            for (unsigned int j = 0; j < n_components * n; ++j)
+              scaled(place(i), place(j)) += sign(i) * sign(j) * matrix[i][j] /
+                                            std::sqrt(diagonal(place(i)) * diagonal(place(j)));
+          dealii::FullMatrix<double> vectors;
+          scaled.compute_eigenvalues_symmetric(-1., 2. * n_velocity, 1e-10, values, vectors);
+          return std::make_pair(values[0], values[values.size() - 1]);
+        };
+        const auto of_cell = extremes(
+          n_components * n,
+          [](const unsigned int i) { return i; },
+          [](const unsigned int) { return 1; });
+        least = std::min(least, of_cell.first);
+        for (unsigned int phase = 0; phase < 1 << dim; ++phase)
+          {
+            const auto of_lattice = extremes(
+              n_components << dim,
+              [](const unsigned int i) {
+                unsigned int result = i / n << dim;
+                for (unsigned int a = 0, node = i % n; a < dim; ++a, node /= 3)
+                  result += (node % 3 == 1) << a;
+                return result;
+              },
+              [&](const unsigned int i) {
+                int result = 1;
+                for (unsigned int a = 0, node = i % n; a < dim; ++a, node /= 3)
+                  if (node % 3 == 2 && (phase >> a & 1))
+                    result = -result;
+                return result;
+              });
+            most = std::max(most, of_lattice.second);
+          }
       }
     return {least, most};
   }

@@ -16,10 +16,8 @@ namespace feib
   {
     constexpr unsigned int none = static_cast<unsigned int>(-1);
 
-    // Higher degrees save an iteration at most, and no time: what is left is the Schur
-    // complement's.
-    constexpr unsigned int velocity_degree = 4, pressure_degree = 2;
-    constexpr double velocity_range = 10, pressure_range = 4;
+    constexpr unsigned int velocity_degree = 5, pressure_degree = 3;
+    constexpr double velocity_range = 8, pressure_range = 4;
 
     // M^{-1} ~ (1 + sharpness) Ml^{-1} - sharpness Ml^{-1} M Ml^{-1}: of B M^{-1} B^T, in a
     // periodic box, B Ml^{-1} B^T has 1/3.1 to 1 (1/3.9 to 1 in 3D), this 1/1.5 to 1.04 (1/1.9
@@ -110,7 +108,9 @@ namespace feib
 
   template <int dim>
   void
-  StokesMultigrid<dim>::prepare(const EulerianSpace<dim> &space, const VelocityForm &wanted)
+  StokesMultigrid<dim>::prepare(const EulerianSpace<dim> &space,
+                                const VelocityForm &wanted,
+                                const bool augmented)
   {
     const bool new_mesh = revision != space.revision();
     if (new_mesh)
@@ -119,19 +119,21 @@ namespace feib
         map_unknowns(space);
         revision = space.revision();
       }
-    // What couples the components costs half as much again, and counts only where viscosity does.
-    // Of the divergence the pressures see enough.
-    constexpr double negligible = .005;
-    const double h              = levels[0].mesh->smallest_size();
+    // (grad u^T, grad v) counts only where viscosity does. The larger eta, the better is S known,
+    // and the worse is the condition of A: with these values both cost about as much.
+    constexpr double negligible = .005, viscous_eta = 4, inertial_eta = .16 / dim;
+    const double h = levels[0].mesh->smallest_size(), inertia = wanted.alpha * h * h;
     const VelocityForm seen{wanted.alpha,
                             wanted.mu,
-                            wanted.mu > negligible * wanted.alpha * h * h ? wanted.nu : 0.,
-                            0.};
+                            wanted.mu > negligible * inertia ? wanted.nu : 0.,
+                            0.,
+                            augmented ? std::max(viscous_eta * wanted.mu, inertial_eta * inertia)
+                                      : 0.};
     // What lumping the mass does to pressures counts only where inertia does.
     constexpr double dominated = .1;
-    inertia_counts             = wanted.mu < dominated * wanted.alpha * h * h;
-    const bool new_form =
-      seen.alpha != cycled.alpha || seen.mu != cycled.mu || seen.nu != cycled.nu;
+    inertia_counts             = wanted.mu < dominated * inertia;
+    const bool new_form        = seen.alpha != cycled.alpha || seen.mu != cycled.mu ||
+                          seen.nu != cycled.nu || seen.eta != cycled.eta;
     form   = wanted;
     cycled = seen;
     if (!new_mesh && !new_form)
@@ -139,7 +141,7 @@ namespace feib
 
     // Where the mass dominates, the smoother alone is a solver. Beside walls the Schur complement
     // of a viscous flow has more than S^{-1} knows of.
-    constexpr double well_conditioned = dim == 2 ? 10 : 20, accuracy = .05;
+    constexpr double well_conditioned = dim == 2 ? 10 : 20, accuracy = .01;
     direct_velocity = false;
     for (last_velocity = 0; true; ++last_velocity)
       {
@@ -147,7 +149,7 @@ namespace feib
         const bool last           = last_velocity + 1 == levels.size();
         const double size         = level.mesh->smallest_size();
         const auto [lower, upper] = level.mesh->spectrum(cycled);
-        const double largest      = 1.05 * upper;
+        const double largest      = 1.1 * upper;
         level.velocity_smoother   = {largest / velocity_range, largest, velocity_degree};
         level.mesh->inverse_diagonal(cycled, false, level.inverse_diagonal);
         level.smoother_solves = largest <= well_conditioned * lower;
@@ -645,7 +647,7 @@ namespace feib
       }
     else
       level.p = 0;
-    level.mesh->add_inverse_pressure_mass(cycled.mu + cycled.nu, level.g, level.p);
+    level.mesh->add_inverse_pressure_mass(cycled.mu + cycled.nu + cycled.eta, level.g, level.p);
     level.mesh->apply_gradient(level.p, level.flux);
     level.f += level.flux;
     velocity_cycle(l);
@@ -717,9 +719,10 @@ namespace feib
     stokes_cycle(0);
     export_velocity(finest.u, u);
 
-    // What A lacks: as far as the pressures can tell, it adds Mp^{-1} B u to the pressure.
-    const double lacking = form.nu - cycled.nu + form.gamma;
-    if (lacking > 0)
+    // What the cycle's A lacks, or has in excess, as far as the pressures can tell: the pressure
+    // changes by Mp^{-1} B u.
+    const double lacking = form.nu - cycled.nu + form.gamma - cycled.eta;
+    if (lacking != 0)
       {
         finest.mesh->expand(finest.u);
         finest.mesh->apply_divergence(finest.u, finest.g);

@@ -11,15 +11,19 @@ namespace feib
   /// The block triangular preconditioner of Cahouet and Chabard (1988) for the saddle point matrix
   /// [A -B^T; -B 0] with A the matrix of a VelocityForm: on the pressure,
   ///   S^{-1} = (mu + nu) Mp^{-1} + alpha Lp^{-1},  Lp = B Ml^{-1} B^T with the lumped mass Ml,
-  /// and then A^{-1}, each inverse but Mp^{-1} replaced by a V-cycle in single precision. Levels
-  /// are the mesh coarsened as a whole, again and again, also beyond the base cells of the domain.
+  /// and then A^{-1}, each inverse but Mp^{-1} replaced by a V-cycle in single precision. The
+  /// system it sees is augmented (Fortin and Glowinski 1983; Benzi and Olshanskii 2006): with
+  /// p + eta Mp^{-1} B u in the place of p, A becomes A + eta B^T Mp^{-1} B, and S^{-1} becomes
+  /// S^{-1} + eta Mp^{-1}, of which more is known. Levels are the mesh coarsened as a whole, again
+  /// and again, also beyond the base cells of the domain.
   template <int dim>
   class StokesMultigrid
   {
   public:
     /// Builds the levels for the mesh of the space when it changed, and what depends on the form of
-    /// the velocity when that did. Collective.
-    void prepare(const EulerianSpace<dim> &space, const VelocityForm &form);
+    /// the velocity when that did. @p augmented: for solve(); the velocity's cycle is then for A
+    /// with the augmentation. Without, solve_velocity() is a cycle for A itself. Collective.
+    void prepare(const EulerianSpace<dim> &space, const VelocityForm &form, bool augmented = true);
 
     /// (u, p) ~ matrix^{-1} (f, g) for condensed f; constrained entries of u are zero. Collective.
     void
@@ -101,7 +105,7 @@ namespace feib
 
     unsigned int revision = 0;
     VelocityForm form{0, 0};            // of the equations
-    VelocityForm cycled{0, 0};          // what the cycles see of it
+    VelocityForm cycled{0, 0};          // what the cycles see of it, augmented
     std::vector<Level> levels;          // the finest first
     bool inertia_counts        = false; // so that the cycle of the pressure is to be sharp
     unsigned int last_velocity = 0;     // the last level that velocity cycles use

@@ -181,20 +181,27 @@ namespace feib
   StokesSolver<dim>::prepare(const Equations &equations)
   {
     const Method chosen = choose(equations);
+    // With convection beyond this CFL number, the blocks without it lose their grip.
+    constexpr double moderate = 1;
+    const bool now_convective =
+      chosen == Method::multigrid && equations.velocity &&
+      equations.operators.cfl_rate(*equations.velocity) > moderate * equations.rate;
     // The last step of a run may differ from the others by round-off only.
     const bool same = revision == equations.space.revision() && operators == &equations.operators &&
                       std::abs(rate - equations.rate) <= 1e-10 * rate;
-    if (same && chosen == method)
+    if (same && chosen == method && now_convective == convective)
       return;
     const auto &terms = equations.operators.terms();
     if (chosen == Method::multigrid)
       multigrid.prepare(
         equations.space,
-        {terms.rho * equations.rate, terms.mu, terms.symmetric ? terms.mu : 0., terms.grad_div});
+        {terms.rho * equations.rate, terms.mu, terms.symmetric ? terms.mu : 0., terms.grad_div},
+        !now_convective);
     if (told.insert(chosen).second)
       log::info(chosen == Method::direct ? "linear solver: direct"
                                          : "linear solver: multigrid, " + multigrid.describe());
     method                 = chosen;
+    convective             = now_convective;
     revision               = equations.space.revision();
     rate                   = equations.rate;
     operators              = &equations.operators;
@@ -279,11 +286,6 @@ namespace feib
     const unsigned int stalled   = method == Method::multigrid  ? 300
                                    : uses > 0 && last_uses == 1 ? 8
                                                                 : 30;
-    // With convection beyond this CFL number, the blocks without it lose their grip.
-    constexpr double moderate = 1;
-    const bool convective =
-      method == Method::multigrid && equations.velocity &&
-      equations.operators.cfl_rate(*equations.velocity) > moderate * equations.rate;
     const Jacobian<dim> jacobian{equations, weight};
     unsigned int total = 0;
     for (const bool last_try : {method == Method::multigrid, true})

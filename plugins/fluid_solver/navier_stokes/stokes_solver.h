@@ -60,7 +60,8 @@ namespace feib
     Method method = Method::automatic; // as chosen
     std::set<Method> told;             // what the log has said
 
-    // What the preconditioner was made for.
+    // What the preconditioner was made for; convective: with convection in its blocks.
+    bool convective                      = false;
     unsigned int revision                = 0;
     double rate                          = 0;
     const FluidOperators<dim> *operators = nullptr;
