@@ -63,9 +63,9 @@ namespace
       benchmark::Counter(4. * n * sizeof(double) * state.iterations(), benchmark::Counter::kIsRate);
   }
 
-  /// The velocity's operator on the finest level, with independent components; and (symmetric) with
-  /// the symmetric gradient, which couples them.
-  template <int dim, typename Number, bool symmetric>
+  /// The velocity's operator on the finest level, with independent components; and (coupled) with
+  /// the symmetric gradient and the augmentation, as in the cycle.
+  template <int dim, typename Number, bool coupled>
   void
   velocity_form(benchmark::State &state)
   {
@@ -80,7 +80,7 @@ namespace
       u.local_element(i) = level.inactive(i) ? 0. : i % 7;
     level.expand(u);
     for (auto _ : state)
-      level.apply_velocity_form({1e3, 1., symmetric ? 1. : 0.}, u, result);
+      level.apply_velocity_form({1e3, 1., coupled ? 1. : 0., 0., coupled ? 4. : 0.}, u, result);
     count(state,
           u.size(),
           u.size() * 3. * sizeof(Number) +

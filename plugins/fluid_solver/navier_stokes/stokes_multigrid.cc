@@ -16,8 +16,17 @@ namespace feib
   {
     constexpr unsigned int none = static_cast<unsigned int>(-1);
 
-    constexpr unsigned int velocity_degree = 5, pressure_degree = 3;
-    constexpr double velocity_range = 8, pressure_range = 4;
+    // Higher degrees save an iteration at most, and no time.
+    template <int dim>
+    constexpr unsigned int velocity_degree = 2 * dim;
+    template <int dim>
+    constexpr double velocity_range        = 4 * dim - 2;
+    constexpr unsigned int pressure_degree = 3;
+    constexpr double pressure_range        = 4;
+
+    // Where the spectrum of D^{-1} A is within this, Chebyshev's iteration brings errors down to
+    // the accuracy for no more than a cycle takes.
+    constexpr double well_conditioned = 25, accuracy = .01;
 
     // M^{-1} ~ (1 + sharpness) Ml^{-1} - sharpness Ml^{-1} M Ml^{-1}: of B M^{-1} B^T, in a
     // periodic box, B Ml^{-1} B^T has 1/3.1 to 1 (1/3.9 to 1 in 3D), this 1/1.5 to 1.04 (1/1.9
@@ -121,7 +130,7 @@ namespace feib
       }
     // (grad u^T, grad v) counts only where viscosity does. The larger eta, the better is S known,
     // and the worse is the condition of A: with these values both cost about as much.
-    constexpr double negligible = .005, viscous_eta = 4, inertial_eta = .16 / dim;
+    constexpr double negligible = .005, viscous_eta = dim + 1, inertial_eta = dim == 2 ? .1 : .05;
     const double h = levels[0].mesh->smallest_size(), inertia = wanted.alpha * h * h;
     const VelocityForm seen{wanted.alpha,
                             wanted.mu,
@@ -141,7 +150,6 @@ namespace feib
 
     // Where the mass dominates, the smoother alone is a solver. Beside walls the Schur complement
     // of a viscous flow has more than S^{-1} knows of.
-    constexpr double well_conditioned = dim == 2 ? 10 : 20, accuracy = .01;
     direct_velocity = false;
     for (last_velocity = 0; true; ++last_velocity)
       {
@@ -150,7 +158,7 @@ namespace feib
         const double size         = level.mesh->smallest_size();
         const auto [lower, upper] = level.mesh->spectrum(cycled);
         const double largest      = 1.1 * upper;
-        level.velocity_smoother   = {largest / velocity_range, largest, velocity_degree};
+        level.velocity_smoother   = {largest / velocity_range<dim>, largest, velocity_degree<dim>};
         level.mesh->inverse_diagonal(cycled, false, level.inverse_diagonal);
         level.smoother_solves = largest <= well_conditioned * lower;
         level.coarser_first   = walls && !last && cycled.mu > cycled.alpha * size * size;
