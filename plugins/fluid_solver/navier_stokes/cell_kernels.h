@@ -52,8 +52,15 @@ namespace feib
               const unsigned int filled,
               Number *to)
   {
-    for (unsigned int l = 0; l < filled; ++l)
-      to[indices[l]] += values[l];
+    constexpr unsigned int lanes = Batch<Number>::lanes;
+    // A known number is unrolled.
+    if (filled == lanes)
+#pragma GCC unroll 16
+      for (unsigned int l = 0; l < lanes; ++l)
+        to[indices[l]] += values[l];
+    else
+      for (unsigned int l = 0; l < filled; ++l)
+        to[indices[l]] += values[l];
   }
 
 

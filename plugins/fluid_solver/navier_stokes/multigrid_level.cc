@@ -804,46 +804,35 @@ namespace feib
             feib::apply_velocity_form<dim, double>(form, edge * unit, unit_vector, matrix[j]);
           }
         // Without coupling, the first component tells all.
-        const unsigned int n_components = form.couples() ? dim : 1;
-
-        // The extreme eigenvalues of D^{-1} A with unknown place(i) of A for unknown i of the cell,
-        // times sign(i).
-        const auto extremes = [&](const unsigned int size, const auto &place, const auto &sign) {
-          dealii::LAPACKFullMatrix<double> scaled(size, size);
-          dealii::Vector<double> diagonal(size), values;
-          for (unsigned int i = 0; i < n_components * n; ++i)
-            diagonal(place(i)) += matrix[i][i];
-          for (unsigned int i = 0; i < n_components * n; ++i)
-            for (unsigned int j = 0; j < n_components * n; ++j)
-              scaled(place(i), place(j)) += sign(i) * sign(j) * matrix[i][j] /
-                                            std::sqrt(diagonal(place(i)) * diagonal(place(j)));
-          dealii::FullMatrix<double> vectors;
-          scaled.compute_eigenvalues_symmetric(-1., 2. * n_velocity, 1e-10, values, vectors);
-          return std::make_pair(values[0], values[values.size() - 1]);
-        };
-        const auto of_cell = extremes(
-          n_components * n,
-          [](const unsigned int i) { return i; },
-          [](const unsigned int) { return 1; });
-        least = std::min(least, of_cell.first);
+        const unsigned int n_components = form.couples() ? dim : 1,
+                           n_unknowns   = n_components << dim;
         for (unsigned int phase = 0; phase < 1 << dim; ++phase)
           {
-            const auto of_lattice = extremes(
-              n_components << dim,
-              [](const unsigned int i) {
-                unsigned int result = i / n << dim;
+            // Of each unknown of the cell, which of the lattice's 2^dim per cell and component it
+            // is, and its sign.
+            unsigned int place[n_velocity];
+            int sign[n_velocity];
+            dealii::Vector<double> diagonal(n_unknowns), values;
+            for (unsigned int i = 0; i < n_components * n; ++i)
+              {
+                place[i] = i / n << dim;
+                sign[i]  = 1;
                 for (unsigned int a = 0, node = i % n; a < dim; ++a, node /= 3)
-                  result += (node % 3 == 1) << a;
-                return result;
-              },
-              [&](const unsigned int i) {
-                int result = 1;
-                for (unsigned int a = 0, node = i % n; a < dim; ++a, node /= 3)
-                  if (node % 3 == 2 && (phase >> a & 1))
-                    result = -result;
-                return result;
-              });
-            most = std::max(most, of_lattice.second);
+                  if (node % 3 == 1)
+                    place[i] += 1 << a;
+                  else if (node % 3 == 2 && (phase >> a & 1))
+                    sign[i] = -sign[i];
+                diagonal(place[i]) += matrix[i][i];
+              }
+            dealii::LAPACKFullMatrix<double> scaled(n_unknowns, n_unknowns);
+            for (unsigned int i = 0; i < n_components * n; ++i)
+              for (unsigned int j = 0; j < n_components * n; ++j)
+                scaled(place[i], place[j]) += sign[i] * sign[j] * matrix[i][j] /
+                                              std::sqrt(diagonal(place[i]) * diagonal(place[j]));
+            dealii::FullMatrix<double> vectors;
+            scaled.compute_eigenvalues_symmetric(-1., 2. * n_velocity, 1e-10, values, vectors);
+            least = std::min(least, values[0]);
+            most  = std::max(most, values[values.size() - 1]);
           }
       }
     return {least, most};

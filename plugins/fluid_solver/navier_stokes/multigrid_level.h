@@ -104,10 +104,9 @@ namespace feib
     /// lane l of batch b, entry (k, m) at ((b * n_pressure + k) * n_pressure + m) * lanes + l.
     void invert_blocks(LevelVector<float> &weights, dealii::AlignedVector<float> &blocks) const;
 
-    /// The extent of the spectrum of D^{-1} A, with A the matrix of the form and D its diagonal:
-    /// its lower end bounded by the matrices of single cells (A and D are sums over cells), its
-    /// upper end from fields on lattices of equal cells that are the same in every cell or change
-    /// their sign from one to the next. Near hanging nodes an estimate.
+    /// The ends of the spectrum of D^{-1} A, with A the matrix of the form and D its diagonal: of
+    /// fields on lattices of equal cells that are the same in every cell, or change their sign from
+    /// one to the next, direction by direction. Near hanging nodes an estimate.
     std::pair<double, double> spectrum(const VelocityForm &form) const;
 
     /// The shortest edge of a cell.
