@@ -852,6 +852,20 @@ namespace feib
 
 
   template <int dim>
+  double
+  MultigridLevel<dim>::aspect_ratio() const
+  {
+    double least = unit[0], most = unit[0];
+    for (unsigned int a = 1; a < dim; ++a)
+      {
+        least = std::min(least, unit[a]);
+        most  = std::max(most, unit[a]);
+      }
+    return most / least;
+  }
+
+
+  template <int dim>
   void
   MultigridLevel<dim>::fill_pressure(LevelVector<float> &p) const
   {

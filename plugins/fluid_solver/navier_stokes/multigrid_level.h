@@ -112,6 +112,9 @@ namespace feib
     /// The shortest edge of a cell.
     double smallest_size() const;
 
+    /// The longest edge of a cell over its shortest; the same for all cells.
+    double aspect_ratio() const;
+
     // --- transfer, with the coarser level given to connect()
 
     /// fine += P coarse; coarse is expanded

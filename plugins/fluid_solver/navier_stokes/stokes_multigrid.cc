@@ -129,9 +129,12 @@ namespace feib
         revision = space.revision();
       }
     // (grad u^T, grad v) counts only where viscosity does. The larger eta, the better is S known,
-    // and the worse is the condition of A: with these values both cost about as much.
-    constexpr double negligible = .005, viscous_eta = dim + 1, inertial_eta = dim == 2 ? .1 : .05;
-    const double h = levels[0].mesh->smallest_size(), inertia = wanted.alpha * h * h;
+    // and the worse is the condition of A: with these values both cost about as much. On long cells
+    // the smoother bears less.
+    constexpr double negligible = .005, inertial_eta = dim == 2 ? .1 : .05;
+    const double h = levels[0].mesh->smallest_size(), inertia = wanted.alpha * h * h,
+                 aspect      = levels[0].mesh->aspect_ratio(),
+                 viscous_eta = (dim + 1) / (aspect * aspect);
     const VelocityForm seen{wanted.alpha,
                             wanted.mu,
                             wanted.mu > negligible * inertia ? wanted.nu : 0.,
