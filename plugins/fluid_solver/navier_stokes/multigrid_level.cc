@@ -351,6 +351,12 @@ namespace feib
   void
   MultigridLevel<dim>::find_prescribed(const Lattice<dim> &lattice, const Domain<dim> &domain)
   {
+    unsigned int open_directions = 0;
+    for (unsigned int a = 0; a < dim; ++a)
+      if (domain.faces[2 * a].condition == BoundaryCondition::outflow ||
+          domain.faces[2 * a + 1].condition == BoundaryCondition::outflow)
+        ++open_directions;
+    open_corners = open_directions > 1;
     inactive_flags.assign(places.size() * dim, false);
     for (const unsigned int slave : slaves)
       for (unsigned int a = 0; a < dim; ++a)
@@ -804,9 +810,9 @@ namespace feib
             feib::apply_velocity_form<dim, double>(form, edge * unit, unit_vector, matrix[j]);
           }
         // Without coupling, the first component tells all.
-        const unsigned int n_components = form.couples() ? dim : 1,
-                           n_unknowns   = n_components << dim;
-        for (unsigned int phase = 0; phase < 1 << dim; ++phase)
+        const unsigned int n_components = form.couples() ? dim : 1;
+        const unsigned int n_unknowns   = open_corners ? n_components * n : n_components << dim;
+        for (unsigned int phase = 0; phase < (open_corners ? 1 : 1 << dim); ++phase)
           {
             // Of each unknown of the cell, which of the lattice's 2^dim per cell and component it
             // is, and its sign.
@@ -815,9 +821,9 @@ namespace feib
             dealii::Vector<double> diagonal(n_unknowns), values;
             for (unsigned int i = 0; i < n_components * n; ++i)
               {
-                place[i] = i / n << dim;
+                place[i] = open_corners ? i : i / n << dim;
                 sign[i]  = 1;
-                for (unsigned int a = 0, node = i % n; a < dim; ++a, node /= 3)
+                for (unsigned int a = 0, node = i % n; a < dim && !open_corners; ++a, node /= 3)
                   if (node % 3 == 1)
                     place[i] += 1 << a;
                   else if (node % 3 == 2 && (phase >> a & 1))

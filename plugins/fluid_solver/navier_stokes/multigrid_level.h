@@ -106,7 +106,8 @@ namespace feib
 
     /// The ends of the spectrum of D^{-1} A, with A the matrix of the form and D its diagonal: of
     /// fields on lattices of equal cells that are the same in every cell, or change their sign from
-    /// one to the next, direction by direction. Near hanging nodes an estimate.
+    /// one to the next, direction by direction; where outflows meet, bounds from single cells (A
+    /// and D are sums over cells). Near hanging nodes and at an outflow an estimate.
     std::pair<double, double> spectrum(const VelocityForm &form) const;
 
     /// The shortest edge of a cell.
@@ -226,6 +227,7 @@ namespace feib
     std::unordered_map<unsigned int, unsigned int> line_of_slave;
     std::vector<bool> hanging_cells; // by slot
     std::vector<bool> inactive_flags;
+    bool open_corners = false;                   // outflows meet somewhere
     std::vector<unsigned int> inactive_unknowns; // owned
 
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> velocity_partitioner,

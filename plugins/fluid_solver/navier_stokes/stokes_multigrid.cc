@@ -151,8 +151,8 @@ namespace feib
     if (!new_mesh && !new_form)
       return;
 
-    // Where the mass dominates, the smoother alone is a solver. Beside walls the Schur complement
-    // of a viscous flow has more than S^{-1} knows of.
+    // Where the spectrum is short, the smoother alone is a solver. Beside walls the Schur
+    // complement of a viscous flow has more than S^{-1} knows of.
     direct_velocity = false;
     for (last_velocity = 0; true; ++last_velocity)
       {
@@ -648,7 +648,7 @@ namespace feib
         level.g -= level.pressure_product;
       }
 
-    // The inverse of A's Schur complement: (alpha Lp^{-1} + (mu + nu) Mp^{-1}) g. In it the
+    // The inverse of the Schur complement: (alpha Lp^{-1} + (mu + nu + eta) Mp^{-1}) g. In it the
     // symmetric gradient is twice the other, as (grad u^T, grad v) and (div u, div v) are the same
     // away from walls.
     if (cycled.alpha > 0)
