@@ -33,7 +33,7 @@ namespace feib
 
 
   template <int dim>
-  CellOperators<dim>::CellOperators(const Reconstruction<dim> *reconstruction)
+  CellOperators<dim>::CellOperators()
     : mean()
     , moment()
     , mass()
@@ -60,11 +60,6 @@ namespace feib
           }
       }
 
-    for (unsigned int a = 0; a < dim; ++a)
-      {
-        first[a] = reconstruction ? 0 : a * n;
-        last[a]  = reconstruction ? n_u : (a + 1) * n;
-      }
     for (unsigned int q = 0; q < n_q; ++q)
       {
         const dealii::Point<dim> &x = quadrature.point(q);
@@ -72,18 +67,16 @@ namespace feib
         for (unsigned int i = 0; i < n; ++i)
           for (unsigned int a = 0; a < dim; ++a)
             dphi[a][q][i] = velocity.shape_grad(hierarchic[i], x)[a];
-        double at_x[dim][n_u];
-        velocity_values(reconstruction, x, at_x);
-        for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int j = 0; j < n_u; ++j)
-            {
-              values[a][q][j] = at_x[a][j];
-              mean[a][j] += weights[q] * at_x[a][j];
-              for (unsigned int b = 0; b < dim; ++b)
-                moment[b][a][j] += weights[q] * x[b] * at_x[a][j];
-              for (unsigned int i = 0; i < n_u; ++i)
-                mass[i][j] += weights[q] * at_x[a][i] * at_x[a][j];
-            }
+        double phi[n];
+        EulerianSpace<dim>::shape_values(x, phi);
+        for (unsigned int i = 0; i < n; ++i)
+          {
+            mean[i] += weights[q] * phi[i];
+            for (unsigned int b = 0; b < dim; ++b)
+              moment[b][i] += weights[q] * x[b] * phi[i];
+            for (unsigned int j = 0; j < n; ++j)
+              mass[i][j] += weights[q] * phi[i] * phi[j];
+          }
         for (unsigned int i = 0; i < n; ++i)
           {
             for (unsigned int j = 0; j < n; ++j)
@@ -108,13 +101,11 @@ namespace feib
   {
     const double det = cell_volume(size);
     std::vector<double> matrix(n_u * n_u, 0.);
-    for (unsigned int i = 0; i < n_u; ++i)
-      for (unsigned int j = 0; j < n_u; ++j)
-        matrix[i * n_u + j] = alpha * det * mass[i][j];
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int i = 0; i < n; ++i)
         for (unsigned int j = 0; j < n; ++j)
           {
+            matrix[(c * n + i) * n_u + c * n + j] += alpha * det * mass[i][j];
             for (unsigned int a = 0; a < dim; ++a)
               matrix[(c * n + i) * n_u + c * n + j] +=
                 mu * det / (size[a] * size[a]) * stiffness[a][a][i][j];
@@ -143,137 +134,47 @@ namespace feib
 
 
   template <int dim>
-  std::vector<double>
-  CellOperators<dim>::convection_matrix(const Size &size,
-                                        const double *w,
-                                        const double rho,
-                                        const ConvectiveForm form,
-                                        const unsigned int outflow_faces) const
-  {
-    const double det = cell_volume(size);
-    const bool skew  = form == ConvectiveForm::skew_symmetric;
-    std::vector<double> matrix(n_u * n_u, 0.);
-    for (unsigned int q = 0; q < n_q; ++q)
-      {
-        const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
-        double wq[dim], advected[n] = {}; // factor w, factor w . grad phi_j
-        for (unsigned int a = 0; a < dim; ++a)
-          {
-            wq[a] = factor * value(a, q, w);
-            for (unsigned int j = 0; j < n; ++j)
-              advected[j] += wq[a] / size[a] * dphi[a][q][j];
-          }
-        for (unsigned int c = 0; c < dim; ++c)
-          {
-            double force[n_u] = {}; // component c for each unknown of u
-            for (unsigned int j = 0; j < n; ++j)
-              force[c * n + j] = advected[j];
-            if (form == ConvectiveForm::rotational) // (curl u x w)_c = w_d (d_d u_c - d_c u_d)
-              for (unsigned int d = 0; d < dim; ++d)
-                for (unsigned int j = 0; j < n; ++j)
-                  force[d * n + j] -= wq[d] / size[c] * dphi[c][q][j];
-            for (unsigned int i = first[c]; i < last[c]; ++i)
-              for (unsigned int j = 0; j < n_u; ++j)
-                matrix[i * n_u + j] += values[c][q][i] * force[j];
-            if (skew)
-              for (unsigned int i = 0; i < n; ++i)
-                for (unsigned int j = first[c]; j < last[c]; ++j)
-                  matrix[(c * n + i) * n_u + j] -= advected[i] * values[c][q][j];
-          }
-      }
-    if (skew)
-      for (unsigned int f = 0; f < 2 * dim; ++f)
-        if (outflow_faces & (1U << f))
-          for (unsigned int q = 0; q < n_face_q; ++q)
-            {
-              const double factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
-              for (unsigned int c = 0; c < dim; ++c)
-                for (unsigned int i = 0; i < n; ++i)
-                  for (unsigned int j = 0; j < n; ++j)
-                    matrix[(c * n + i) * n_u + c * n + j] +=
-                      factor * face_phi[f][q][i] * face_phi[f][q][j];
-            }
-    return matrix;
-  }
-
-
-  template <int dim>
-  template <typename Value>
-  Value
-  CellOperators<dim>::face_flux(const Size &size,
-                                const unsigned int f,
-                                const unsigned int q,
-                                const Value *w) const
-  {
-    Value result = {};
-    for (unsigned int i = 0; i < n; ++i)
-      result += face_phi[f][q][i] * w[f / 2 * n + i];
-    return result * (f % 2 == 0 ? -1. : 1.) * cell_volume(size) / size[f / 2];
-  }
-
-
-  template <int dim>
   template <typename Value>
   void
-  CellOperators<dim>::add_convection(const Size &size,
-                                     const Value *w,
-                                     const Value *u,
-                                     const double rho,
-                                     const ConvectiveForm form,
-                                     Value *result,
-                                     const unsigned int outflow_faces) const
+  CellOperators<dim>::add_open_boundary(const Size &size,
+                                        const unsigned int faces,
+                                        const double rho,
+                                        const ConvectiveForm form,
+                                        const Value *w,
+                                        const Value *by,
+                                        const Value *u,
+                                        Value *result) const
   {
-    const double det      = cell_volume(size);
-    const bool skew       = form == ConvectiveForm::skew_symmetric;
     const bool rotational = form == ConvectiveForm::rotational;
-    for (unsigned int q = 0; q < n_q; ++q)
-      {
-        const double factor = rho * det * weights[q] * (skew ? .5 : 1.);
-        Value wq[dim], advected[n] = {}; // factor w, factor w . grad phi_i
-        for (unsigned int a = 0; a < dim; ++a)
-          {
-            wq[a] = factor * value(a, q, w);
-            for (unsigned int i = 0; i < n; ++i)
-              advected[i] += wq[a] / size[a] * dphi[a][q][i];
-          }
-        Value along[n] = {}; // factor w . u_i
-        if (rotational)
-          for (unsigned int a = 0; a < dim; ++a)
-            for (unsigned int i = 0; i < n; ++i)
-              along[i] += wq[a] * u[a * n + i];
-        for (unsigned int c = 0; c < dim; ++c)
-          {
-            Value force = {}; // w_a d_a u_c, rotational: less w_a d_c u_a
-            for (unsigned int i = 0; i < n; ++i)
-              force += advected[i] * u[c * n + i];
-            if (rotational)
-              for (unsigned int i = 0; i < n; ++i)
-                force -= along[i] / size[c] * dphi[c][q][i];
-            for (unsigned int i = first[c]; i < last[c]; ++i)
-              result[i] += force * values[c][q][i];
-            if (skew)
-              {
-                const Value uq = value(c, q, u);
-                for (unsigned int i = 0; i < n; ++i)
-                  result[c * n + i] -= uq * advected[i];
-              }
-          }
-      }
-    if (skew)
-      for (unsigned int f = 0; f < 2 * dim; ++f)
-        if (outflow_faces & (1U << f))
+    for (unsigned int f = 0; f < 2 * dim; ++f)
+      if (faces & (1U << f))
+        {
+          const unsigned int normal = f / 2;
+          const double sign         = f % 2 == 0 ? -1. : 1.;
           for (unsigned int q = 0; q < n_face_q; ++q)
             {
-              const Value factor = .5 * rho * face_weights[q] * face_flux(size, f, q, w);
+              const double factor = .5 * rho * face_weights[q] * cell_volume(size) / size[normal];
+              Value w_n = {}, w_q[dim] = {}, u_q[dim] = {}, force[dim], along = {};
               for (unsigned int c = 0; c < dim; ++c)
                 {
-                  Value value = {};
                   for (unsigned int i = 0; i < n; ++i)
-                    value += face_phi[f][q][i] * u[c * n + i];
-                  for (unsigned int i = 0; i < n; ++i)
-                    result[c * n + i] += factor * value * face_phi[f][q][i];
+                    {
+                      w_q[c] += face_phi[f][q][i] * by[c * n + i];
+                      u_q[c] += face_phi[f][q][i] * u[c * n + i];
+                    }
+                  along += w_q[c] * u_q[c];
                 }
+              const Value flux = sign * w_q[normal], zero = {};
+              const Value out = flux > zero ? flux : zero;
+              for (unsigned int c = 0; c < dim; ++c)
+                force[c] = out * u_q[c] - (rotational ? sign * u_q[normal] * w_q[c] : zero);
+              if (rotational)
+                force[normal] += sign * along;
+              for (unsigned int c = 0; c < dim; ++c)
+                for (unsigned int i = 0; i < n; ++i)
+                  result[c * n + i] += factor * face_phi[f][q][i] * force[c];
             }
+        }
   }
 
 
@@ -284,10 +185,15 @@ namespace feib
   template class CellOperators<2>;
   template class CellOperators<3>;
 
-#define FEIB_INSTANTIATE(dim, Value)                                                           \
-  template void CellOperators<dim>::add_convection(                                            \
-    const Size &, const Value *, const Value *, double, ConvectiveForm, Value *, unsigned int) \
-    const;
+#define FEIB_INSTANTIATE(dim, Value)                                  \
+  template void CellOperators<dim>::add_open_boundary(const Size &,   \
+                                                      unsigned int,   \
+                                                      double,         \
+                                                      ConvectiveForm, \
+                                                      const Value *,  \
+                                                      const Value *,  \
+                                                      const Value *,  \
+                                                      Value *) const;
   FEIB_INSTANTIATE(2, double)
   FEIB_INSTANTIATE(3, double)
   FEIB_INSTANTIATE(2, Batch<double>::Values)

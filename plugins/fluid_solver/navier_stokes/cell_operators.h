@@ -2,20 +2,14 @@
 #ifndef feib_plugins_navier_stokes_cell_operators_h
 #define feib_plugins_navier_stokes_cell_operators_h
 
+#include "convection_kernels.h"
+
 #include <feib/reconstruction.h>
 
 #include <vector>
 
 namespace feib
 {
-  enum class ConvectiveForm
-  {
-    skew_symmetric,
-    convective,
-    rotational
-  };
-
-
   /// Component a of v, or of R v when there is a @p reconstruction, at a place of the unit cell is
   /// sum_j values[a][j] v_j over the velocity unknowns of the cell.
   template <int dim>
@@ -27,11 +21,7 @@ namespace feib
   /// The forms of the Navier-Stokes equations on one Cartesian cell, by matrices of the unit cell.
   /// Unknowns of a cell come component by component, nodes lexicographic, as in
   /// EulerianSpace::velocity_dofs(). Sizes: n = 3^dim nodes, n_u = dim * n velocity and n_p = dim +
-  /// 1 pressure unknowns, n_q = 4^dim Gauss points (exact for the products in convection: each
-  /// factor is of degree 2 in every direction, R v of degree 3, but then the derivative there is
-  /// of degree 1).
-  ///
-  /// R below is the reconstruction given to the constructor, or the identity.
+  /// 1 pressure unknowns, n_q = 4^dim Gauss points.
   template <int dim>
   class CellOperators
   {
@@ -43,9 +33,9 @@ namespace feib
 
     using Size = dealii::Tensor<1, dim>;
 
-    explicit CellOperators(const Reconstruction<dim> *reconstruction = nullptr);
+    CellOperators();
 
-    /// The matrix (n_u x n_u, row by row) of alpha (R u, R v) + mu a(u, v) + gamma (div u, div v),
+    /// The matrix (n_u x n_u, row by row) of alpha (u, v) + mu a(u, v) + gamma (div u, div v),
     /// with a(u, v) = 2 (D(u), D(v)) if @p symmetric, else (grad u, grad v).
     std::vector<double> velocity_matrix(const Size &size,
                                         double alpha,
@@ -56,67 +46,41 @@ namespace feib
     /// The matrix (n_p x n_u) of (div u, q).
     std::vector<double> divergence_matrix(const Size &size) const;
 
-    /// The matrix (n_u x n_u) of rho b(w; u, v), the convection with velocity w (n_u values):
-    ///   skew_symmetric  rho/2 [(R w . grad u, v) - (R w . grad v, u)], for R = identity only
-    ///   convective      rho (R w . grad u, R v)
-    ///   rotational      rho (curl u x R w, R v)
-    /// The skew form alone would put a traction rho/2 (w . n) u on faces that fluid crosses freely;
-    /// rho/2 int (w . n) u . v over the faces f with bit f set in @p outflow_faces takes it away.
-    std::vector<double> convection_matrix(const Size &size,
-                                          const double *w,
-                                          double rho,
-                                          ConvectiveForm form,
-                                          unsigned int outflow_faces = 0) const;
-
-    /// result += rho b(w; u, v) for all v. Value: double, or a batch of values of cells that have
-    /// size and outflow faces in common.
+    /// result += the traction of convection on the faces f with bit f set in @p faces, which fluid
+    /// crosses freely: rho/2 int max(w . n, 0) u . v, and for the rotational form also
+    /// rho/2 int [(w . u) (v . n) - (w . v) (u . n)]. Value: double, or a batch of values of cells
+    /// that have size and faces in common.
+    ///
+    /// With w = u, what convection leaves on such a face is then no traction where fluid goes out,
+    /// and -rho/2 |u . n| u where it comes in (the directional do-nothing condition of Braack and
+    /// Mucha, J. Comput. Math. 32 (2014) 507). The power with v = u is rho/2 int max(w . n, 0)
+    /// |u|^2 whatever w is: energy leaves, and none comes in.
     template <typename Value>
-    void add_convection(const Size &size,
-                        const Value *w,
-                        const Value *u,
-                        double rho,
-                        ConvectiveForm form,
-                        Value *result,
-                        unsigned int outflow_faces = 0) const;
+    void add_open_boundary(const Size &size,
+                           unsigned int faces,
+                           double rho,
+                           ConvectiveForm form,
+                           const Value *w,
+                           const Value *by,
+                           const Value *u,
+                           Value *result) const;
 
-    /// Integrals over the unit cell, int (R v)_a = sum_j mean[a][j] v_j and int x_b (R v)_a =
-    /// sum_j moment[b][a][j] v_j with x from the cell's corner.
-    double mean[dim][n_u];
-    double moment[dim][dim][n_u];
-
-    /// Component a of R v depends on the unknowns first[a], ..., last[a] - 1 of a cell.
-    unsigned int first[dim], last[dim];
+    /// Integrals over the unit cell of the n shape functions, and of x_b times them with x from the
+    /// cell's corner.
+    double mean[n];
+    double moment[dim][n];
 
     /// Weights and unit gradients of the n shape functions at the Gauss points of the unit cell.
     double weights[n_q];
     double dphi[dim][n_q][n];
 
   private:
-    /// Component a of R w at Gauss point q.
-    template <typename Value>
-    Value
-    value(const unsigned int a, const unsigned int q, const Value *w) const
-    {
-      Value result = {};
-      for (unsigned int j = first[a]; j < last[a]; ++j)
-        result += values[a][q][j] * w[j];
-      return result;
-    }
-
-    /// w . n times the measure of face f, at its Gauss point q.
-    template <typename Value>
-    Value face_flux(const Size &size, unsigned int f, unsigned int q, const Value *w) const;
-
-
     static constexpr unsigned int n_face_q = dim == 2 ? 4 : 16;
 
     double face_phi[2 * dim][n_face_q][n]; // at the Gauss points of each face
     double face_weights[n_face_q];
 
-    // Component a of R v at Gauss point q is sum_j values[a][q][j] v_j, first[a] <= j < last[a].
-    double values[dim][n_q][n_u];
-
-    double mass[n_u][n_u];            // int R v_i . R v_j
+    double mass[n][n];                // int phi_i phi_j
     double stiffness[dim][dim][n][n]; // [a][b][i][j]: int d_a phi_i d_b phi_j
     double divergence[dim][n_p][n];   // [a][k][j]: int q_k d_a phi_j
   };

@@ -11,63 +11,51 @@ namespace feib
 {
   template <int dim>
   void
-  FluidOperators<dim>::set_reconstruction(const Reconstruction<dim> &reconstruction)
-  {
-    with_reconstruction = true;
-    operators           = CellOperators<dim>(&reconstruction);
-  }
-
-
-  template <int dim>
-  void
   FluidOperators<dim>::reinit(const Space &space)
   {
     const Domain<dim> &box = space.domain();
     communicator           = space.communicator();
-    outflow_faces.assign(space.cells().size(), 0);
-    for (unsigned int f = 0; f < 2 * dim; ++f)
-      if (box.faces[f].condition == BoundaryCondition::outflow)
-        for (unsigned int c = 0; c < space.cells().size(); ++c)
-          {
-            const auto &cell      = space.cells()[c];
-            const double distance = f % 2 == 0
-                                      ? cell.lower[f / 2] - box.lower[f / 2]
-                                      : box.upper[f / 2] - cell.lower[f / 2] - cell.size[f / 2];
-            if (std::abs(distance) < .5 * cell.size[f / 2])
-              outflow_faces[c] |= 1U << f;
-          }
-
     std::map<std::pair<unsigned int, unsigned int>, std::vector<unsigned int>> groups;
-    masses.clear();
     divergence_matrices.clear();
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       {
-        const auto &cell = space.cells()[c];
-        groups[{cell.level, outflow_faces[c]}].push_back(c);
-        if (cell.level >= masses.size())
-          {
-            masses.resize(cell.level + 1);
-            divergence_matrices.resize(cell.level + 1);
-          }
+        const auto &cell        = space.cells()[c];
+        unsigned int open_faces = 0;
+        for (unsigned int f = 0; f < 2 * dim; ++f)
+          if (box.faces[f].condition == BoundaryCondition::outflow)
+            {
+              const double distance = f % 2 == 0
+                                        ? cell.lower[f / 2] - box.lower[f / 2]
+                                        : box.upper[f / 2] - cell.lower[f / 2] - cell.size[f / 2];
+              if (std::abs(distance) < .5 * cell.size[f / 2])
+                open_faces |= 1U << f;
+            }
+        groups[{cell.level, open_faces}].push_back(c);
+        if (cell.level >= divergence_matrices.size())
+          divergence_matrices.resize(cell.level + 1);
         if (divergence_matrices[cell.level].empty())
-          {
-            divergence_matrices[cell.level] = operators.divergence_matrix(cell.size);
-            masses[cell.level] = operators.velocity_matrix(cell.size, given_terms.rho, 0., false);
-          }
+          divergence_matrices[cell.level] = operators.divergence_matrix(cell.size);
       }
     batches.clear();
+    place_of_cell.resize(space.cells().size());
+    unsigned int n_open = 0;
     for (const auto &[key, cells] : groups)
       for (unsigned int first = 0; first < cells.size(); first += lanes)
         {
           CellBatch batch;
-          batch.size          = space.cells()[cells[first]].size;
-          batch.level         = key.first;
-          batch.outflow_faces = key.second;
-          batch.filled        = std::min<unsigned int>(lanes, cells.size() - first);
+          batch.size       = space.cells()[cells[first]].size;
+          batch.level      = key.first;
+          batch.open_faces = key.second;
+          batch.first_open = n_open;
+          if (batch.open_faces != 0)
+            n_open += n_u;
+          batch.filled = std::min<unsigned int>(lanes, cells.size() - first);
           for (unsigned int l = 0; l < lanes; ++l)
             {
               const unsigned int c = cells[first + std::min(l, batch.filled - 1)];
               batch.cells[l]       = c;
+              if (l < batch.filled)
+                place_of_cell[c] = batches.size() * lanes + l;
               for (unsigned int i = 0; i < n_u; ++i)
                 batch.velocities[i * lanes + l] = space.velocity_dofs(c)[i];
               for (unsigned int k = 0; k < n_p; ++k)
@@ -75,6 +63,12 @@ namespace feib
             }
           batches.push_back(batch);
         }
+    dealii::Tensor<1, dim> size;
+    for (unsigned int a = 0; a < dim; ++a)
+      size[a] = (box.upper[a] - box.lower[a]) / box.cells[a];
+    reconstruction.emplace(size);
+    at_points.clear();
+    at_nodes.resize(n_open);
   }
 
 
@@ -108,24 +102,13 @@ namespace feib
                                      const Values (&u)[n_u],
                                      Values (&out)[n_u]) const
   {
-    apply_velocity_form<dim, double>({with_reconstruction ? 0. : rate * given_terms.rho,
+    apply_velocity_form<dim, double>({rate * given_terms.rho,
                                       viscosity * given_terms.mu,
                                       given_terms.symmetric ? viscosity * given_terms.mu : 0.,
                                       viscosity * given_terms.grad_div},
                                      batch.size,
                                      u,
                                      out);
-    if (with_reconstruction && rate != 0)
-      {
-        const std::vector<double> &mass = masses[batch.level];
-        for (unsigned int i = 0; i < n_u; ++i)
-          {
-            Values sum = {};
-            for (unsigned int j = 0; j < n_u; ++j)
-              sum += mass[i * n_u + j] * u[j];
-            out[i] += rate * sum;
-          }
-      }
   }
 
 
@@ -218,24 +201,136 @@ namespace feib
 
   template <int dim>
   void
+  FluidOperators<dim>::set_convecting_velocity(const VelocityVector &w)
+  {
+    const ConvectiveForm form = given_terms.convective_form;
+    at_points.resize(batches.size() * n_stored<dim>(form));
+    for (unsigned int b = 0; b < batches.size(); ++b)
+      {
+        const CellBatch &batch = batches[b];
+        Values local[n_u];
+        gather(w, batch, local);
+        prepare_convection<dim>(
+          form, batch.size, given_terms.rho, local, &at_points[b * n_stored<dim>(form)]);
+        if (batch.open_faces != 0)
+          std::copy_n(local, n_u, &at_nodes[batch.first_open]);
+      }
+  }
+
+
+  template <int dim>
+  inline void
+  FluidOperators<dim>::convect(const Values *at_points,
+                               const Values (&u)[n_u],
+                               Values (&out)[n_u]) const
+  {
+    if (given_terms.convective_form == ConvectiveForm::rotational)
+      add_rotational<dim>(*reconstruction, at_points, u, out);
+    else
+      add_skew_symmetric<dim>(at_points, u, out);
+  }
+
+
+  template <int dim>
+  inline void
+  FluidOperators<dim>::convect_out(const CellBatch &batch,
+                                   const Values *at_nodes,
+                                   const Values *by,
+                                   const Values (&u)[n_u],
+                                   Values (&out)[n_u]) const
+  {
+    if (batch.open_faces != 0)
+      operators.add_open_boundary(batch.size,
+                                  batch.open_faces,
+                                  given_terms.rho,
+                                  given_terms.convective_form,
+                                  at_nodes,
+                                  by,
+                                  u,
+                                  out);
+  }
+
+
+  template <int dim>
+  void
   FluidOperators<dim>::add_convection(const double factor,
-                                      const VelocityVector &w,
                                       const VelocityVector &u,
                                       VelocityVector &r) const
   {
+    const unsigned int stride = n_stored<dim>(given_terms.convective_form);
+    for (unsigned int b = 0; b < batches.size(); ++b)
+      {
+        Values local[n_u], product[n_u] = {};
+        gather(u, batches[b], local);
+        for (unsigned int i = 0; i < n_u; ++i)
+          local[i] *= factor;
+        convect(&at_points[b * stride], local, product);
+        const Values *w = at_nodes.data() + batches[b].first_open;
+        convect_out(batches[b], w, w, local, product);
+        scatter_add(product, batches[b], r);
+      }
+  }
+
+
+  template <int dim>
+  void
+  FluidOperators<dim>::add_convection_by(const double factor,
+                                         const VelocityVector &w,
+                                         const VelocityVector &u,
+                                         VelocityVector &r) const
+  {
     for (const CellBatch &batch : batches)
       {
-        Values local_w[n_u], local_u[n_u], product[n_u] = {};
+        Values local_w[n_u], local_u[n_u], stored[most_stored], product[n_u] = {};
         gather(w, batch, local_w);
         gather(u, batch, local_u);
-        operators.add_convection(batch.size,
-                                 local_w,
-                                 local_u,
-                                 factor * given_terms.rho,
-                                 given_terms.convective_form,
-                                 product,
-                                 batch.outflow_faces);
+        prepare_convection<dim>(
+          given_terms.convective_form, batch.size, factor * given_terms.rho, local_w, stored);
+        convect(stored, local_u, product);
+        if (batch.open_faces != 0)
+          {
+            for (unsigned int i = 0; i < n_u; ++i)
+              local_w[i] *= factor;
+            convect_out(batch, local_u, local_w, local_u, product);
+          }
         scatter_add(product, batch, r);
+      }
+  }
+
+
+  template <int dim>
+  void
+  FluidOperators<dim>::add_dynamic_pressure(const double factor,
+                                            const VelocityVector &u,
+                                            PressureVector &p) const
+  {
+    for (const CellBatch &batch : batches)
+      {
+        Values local[n_u], square[n_points<dim>] = {};
+        gather(u, batch, local);
+        for (unsigned int a = 0; a < dim; ++a)
+          {
+            Values at[n_points<dim>];
+            feib::at_points<dim, false, dim>(local + a * n, at);
+            for (unsigned int q = 0; q < n_points<dim>; ++q)
+              square[q] += at[q] * at[q];
+          }
+        // The functions of the pressure are orthonormal on the unit cell.
+        for (unsigned int k = 0; k < n_p; ++k)
+          {
+            Values sum = {};
+            for (unsigned int q = 0; q < n_points<dim>; ++q)
+              {
+                const unsigned int place[3] = {q % 4, q / 4 % 4, q / 16};
+                const double function =
+                  k == 0 ? 1. : LineMatrices::root / 2 * PointMatrices::x[place[k - 1]];
+                sum += point_weight<dim>(q) * function * square[q];
+              }
+            feib::scatter_add<double>(factor * given_terms.rho / 2 * sum,
+                                      batch.pressures + k * lanes,
+                                      batch.filled,
+                                      p.begin());
+          }
       }
   }
 
@@ -326,11 +421,11 @@ namespace feib
           }
         Values mean[dim] = {}, moment[dim][dim] = {}; // int u_a, int x_b u_a from the cell's corner
         for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int j = operators.first[a]; j < operators.last[a]; ++j)
+          for (unsigned int j = 0; j < n; ++j)
             {
-              mean[a] += measure * operators.mean[a][j] * u[j];
+              mean[a] += measure * operators.mean[j] * u[a * n + j];
               for (unsigned int b = 0; b < dim; ++b)
-                moment[a][b] += measure * batch.size[b] * operators.moment[b][a][j] * u[j];
+                moment[a][b] += measure * batch.size[b] * operators.moment[b][j] * u[a * n + j];
             }
         for (unsigned int l = 0; l < batch.filled; ++l)
           {
@@ -371,26 +466,44 @@ namespace feib
 
   template <int dim>
   std::vector<double>
-  FluidOperators<dim>::velocity_matrix(const Space &space,
-                                       const unsigned int c,
-                                       const double rate,
-                                       const VelocityVector *w) const
+  FluidOperators<dim>::convection_matrix(const unsigned int cell,
+                                         const VelocityVector *newton) const
   {
-    const auto &cell           = space.cells()[c];
-    std::vector<double> matrix = operators.velocity_matrix(cell.size,
-                                                           rate * given_terms.rho,
-                                                           given_terms.mu,
-                                                           given_terms.symmetric,
-                                                           given_terms.grad_div);
-    if (w)
+    // Columns are what convection makes of unit vectors: a batch of them at once, with the cell's w
+    // in every lane.
+    const unsigned int batch = place_of_cell[cell] / lanes, lane = place_of_cell[cell] % lanes;
+    const CellBatch &cells    = batches[batch];
+    const unsigned int stride = n_stored<dim>(given_terms.convective_form);
+    Values stored[most_stored], w[n_u], u[n_u];
+    for (unsigned int i = 0; i < stride; ++i)
+      stored[i] = Values{} + at_points[batch * stride + i][lane];
+    for (unsigned int i = 0; i < n_u; ++i)
       {
-        double local[n_u];
-        for (unsigned int i = 0; i < n_u; ++i)
-          local[i] = w->local_element(space.velocity_dofs(c)[i]);
-        const std::vector<double> convection = operators.convection_matrix(
-          cell.size, local, given_terms.rho, given_terms.convective_form, outflow_faces[c]);
-        for (unsigned int i = 0; i < matrix.size(); ++i)
-          matrix[i] += convection[i];
+        if (cells.open_faces != 0)
+          w[i] = Values{} + at_nodes[cells.first_open + i][lane];
+        if (newton)
+          u[i] = Values{} + newton->begin()[cells.velocities[i * lanes + lane]];
+      }
+    std::vector<double> matrix(n_u * n_u);
+    for (unsigned int first = 0; first < n_u; first += lanes)
+      {
+        const unsigned int filled = std::min(lanes, n_u - first);
+        Values unit[n_u] = {}, column[n_u] = {};
+        for (unsigned int l = 0; l < filled; ++l)
+          unit[first + l][l] = 1;
+        convect(stored, unit, column);
+        convect_out(cells, w, w, unit, column);
+        if (newton)
+          {
+            Values by_unit[most_stored];
+            prepare_convection<dim>(
+              given_terms.convective_form, cells.size, given_terms.rho, unit, by_unit);
+            convect(by_unit, u, column);
+            convect_out(cells, u, unit, u, column);
+          }
+        for (unsigned int l = 0; l < filled; ++l)
+          for (unsigned int i = 0; i < n_u; ++i)
+            matrix[i * n_u + first + l] = column[i][l];
       }
     return matrix;
   }

@@ -22,45 +22,6 @@ namespace feib
 {
   namespace
   {
-    enum class Convection
-    {
-      none,
-      explicit_extrapolation,
-      implicit
-    };
-
-    /// What is tested with R v instead of v.
-    enum class Reconstructed
-    {
-      none,
-      body_force,
-      all
-    };
-
-    Convection
-    convection_of(const std::string &name)
-    {
-      return name == "none"       ? Convection::none
-             : name == "explicit" ? Convection::explicit_extrapolation
-                                  : Convection::implicit;
-    }
-
-    ConvectiveForm
-    convective_form_of(const std::string &name)
-    {
-      return name == "skew_symmetric" ? ConvectiveForm::skew_symmetric
-             : name == "convective"   ? ConvectiveForm::convective
-                                      : ConvectiveForm::rotational;
-    }
-
-    Reconstructed
-    reconstructed_of(const std::string &name)
-    {
-      return name == "none"         ? Reconstructed::none
-             : name == "body_force" ? Reconstructed::body_force
-                                    : Reconstructed::all;
-    }
-
     template <int dim>
     typename StokesSolver<dim>::Method
     method_of(const std::string &name)
@@ -147,6 +108,16 @@ namespace feib
 
     void assemble_body_force(const Space &space, double time);
 
+    /// Whether the pressure of the equations is p + rho/2 |u|^2.
+    bool
+    total_pressure() const
+    {
+      return convects && operators.terms().convective_form == ConvectiveForm::rotational;
+    }
+
+    /// space.pressure += factor rho/2 |u|^2
+    void add_dynamic_pressure(Space &space, double factor) const;
+
     /// Puts the polynomial in time through the last solutions into the state, unless the state is a
     /// solution for the same time already.
     void guess(Space &space, const Step &step);
@@ -184,36 +155,28 @@ namespace feib
 
     void remove_mean_pressure(Space &space) const;
 
-    /// All that does not depend on the unknowns: load, inertia of u^n, body force and the
-    /// extrapolated convection, which is also given alone.
-    VelocityVector
-    fixed_forces(const Space &space, const Step &step, VelocityVector &explicit_convection);
+    /// All that does not depend on the unknowns: load, inertia of u^n and body force.
+    VelocityVector fixed_forces(const Space &space, const Step &step);
 
-    Residual
-    residual(const Space &space, const Step &step, const VelocityVector &fixed_forces) const;
+    Residual residual(const Space &space, const Step &step, const VelocityVector &fixed_forces);
 
     /// Throws RunFailure when the box is closed and what goes in does not come out.
     void check_net_flux(const Space &space, const PressureVector &divergence, double scale) const;
 
     /// Puts the powers of the step that led to the state of the space into the report.
-    void account(const Space &space,
-                 const Residual &residual,
-                 const VelocityVector &explicit_convection,
-                 Report &report) const;
+    void account(const Space &space, const Residual &residual, Report &report) const;
 
     // What the case says.
     const double tolerance;
     const unsigned int max_iterations;
-    const Convection convection;
-    const Reconstructed reconstructed;
-    const std::string pointer;
+    const bool convects, newton, reconstructs;
     std::unique_ptr<dealii::Function<dim>> body_force, initial_velocity;
     bool body_force_varies = false;
 
     // What is kept from step to step.
-    std::optional<Reconstruction<dim>> reconstruction;
-    FluidOperators<dim> operators; // with the reconstruction when all is tested with it
-    FluidOperators<dim> inertia;   // without it and without viscosity
+    std::optional<Reconstruction<dim>> reconstruction; // for the body force, if wanted
+    FluidOperators<dim> operators;
+    FluidOperators<dim> inertia; // without viscosity
     StokesSolver<dim> solver;
     unsigned int revision = 0;
     VelocityVector body_force_load;
@@ -225,23 +188,19 @@ namespace feib
   NavierStokes<dim>::NavierStokes(const Parameters &parameters)
     : tolerance(parameters.number("tolerance"))
     , max_iterations(parameters.integer("max_iterations"))
-    , convection(convection_of(parameters.string("convection")))
-    , reconstructed(reconstructed_of(parameters.string("reconstruction")))
-    , pointer(parameters.pointer())
+    , convects(parameters.string("convection") != "none")
+    , newton(parameters.string("convection") == "implicit")
+    , reconstructs(parameters.string("reconstruction") != "none")
     , operators({parameters.number("density"),
                  parameters.number("viscosity"),
                  parameters.number("grad_div"),
                  parameters.string("viscous_form") == "symmetric",
-                 convective_form_of(parameters.string("convective_form"))})
-    , inertia({parameters.number("density"), 0., 0., false, ConvectiveForm::convective})
+                 parameters.string("convective_form") == "rotational"
+                   ? ConvectiveForm::rotational
+                   : ConvectiveForm::skew_symmetric})
+    , inertia({parameters.number("density"), 0., 0., false, ConvectiveForm::rotational})
     , solver(method_of<dim>(parameters.string("linear_solver")))
   {
-    if (reconstructed == Reconstructed::all && convection != Convection::none &&
-        operators.terms().convective_form == ConvectiveForm::skew_symmetric)
-      parameters.fail("reconstruction",
-                      "\"all\" tests convection with the reconstruction, which has no "
-                      "skew-symmetric form: set convective_form to \"convective\" or "
-                      "\"rotational\", or convection to \"none\"");
     if (parameters.has("body_force"))
       {
         body_force = parse_expressions<dim>(parameters, "body_force", dim, Variables::space_time);
@@ -258,22 +217,12 @@ namespace feib
   NavierStokes<dim>::initialize(Space &space)
   {
     const Domain<dim> &box = space.domain();
-    if (convection != Convection::none &&
-        operators.terms().convective_form == ConvectiveForm::rotational)
-      for (const auto &face : box.faces)
-        if (face.condition == BoundaryCondition::outflow)
-          throw Error(pointer + "/convective_form",
-                      "\"rotational\" cannot be used with a face of condition outflow, where it "
-                      "would set the total pressure p + rho |u|^2/2 to zero: use "
-                      "\"skew_symmetric\" or \"convective\"");
-    if (reconstructed != Reconstructed::none)
+    if (reconstructs)
       {
         dealii::Tensor<1, dim> size;
         for (unsigned int a = 0; a < dim; ++a)
           size[a] = (box.upper[a] - box.lower[a]) / box.cells[a];
         reconstruction.emplace(size); // the same for the cells of all levels
-        if (reconstructed == Reconstructed::all)
-          operators.set_reconstruction(*reconstruction);
       }
     space.set_time(0.);
     space.velocity = 0.;
@@ -310,8 +259,7 @@ namespace feib
   NavierStokes<dim>::project(Space &space)
   {
     prepare(space);
-    // The correction of the velocity is all inertia; without the reconstruction, as |R v| is no
-    // norm: on uniform meshes some v has R v = 0. There are no forces to compare fluxes with.
+    // The correction of the velocity is all inertia. There are no forces to compare fluxes with.
     constexpr double rate = 1;
     VelocityVector r = space.make_velocity(), du = space.make_velocity();
     PressureVector g = space.make_pressure(), multiplier = space.make_pressure();
@@ -470,23 +418,24 @@ namespace feib
 
 
   template <int dim>
+  void
+  NavierStokes<dim>::add_dynamic_pressure(Space &space, const double factor) const
+  {
+    space.velocity.update_ghost_values();
+    space.pressure.zero_out_ghost_values();
+    operators.add_dynamic_pressure(factor, space.velocity, space.pressure);
+    space.pressure.update_ghost_values();
+  }
+
+
+  template <int dim>
   VelocityVector
-  NavierStokes<dim>::fixed_forces(const Space &space,
-                                  const Step &step,
-                                  VelocityVector &explicit_convection)
+  NavierStokes<dim>::fixed_forces(const Space &space, const Step &step)
   {
     VelocityVector fixed = space.make_velocity();
     space.old_velocity.update_ghost_values();
     operators.add_velocity_form(1 / step.dt, 0., space.old_velocity, fixed);
     fixed.compress(dealii::VectorOperation::add);
-    if (convection == Convection::explicit_extrapolation)
-      {
-        const VelocityVector w = extrapolated_velocity(space, step.dt);
-        explicit_convection    = space.make_velocity();
-        operators.add_convection(1., w, w, explicit_convection);
-        explicit_convection.compress(dealii::VectorOperation::add);
-        fixed -= explicit_convection;
-      }
     fixed += step.load;
     if (body_force)
       {
@@ -502,15 +451,17 @@ namespace feib
   typename NavierStokes<dim>::Residual
   NavierStokes<dim>::residual(const Space &space,
                               const Step &step,
-                              const VelocityVector &fixed_forces) const
+                              const VelocityVector &fixed_forces)
   {
     Residual result;
     result.momentum   = space.make_velocity();
     result.divergence = space.make_pressure();
     operators.subtract_stokes(
       1 / step.dt, space.velocity, space.pressure, result.momentum, result.divergence);
-    if (convection == Convection::implicit)
-      operators.add_convection(-1., space.velocity, space.velocity, result.momentum);
+    if (newton)
+      operators.set_convecting_velocity(space.velocity);
+    if (convects)
+      operators.add_convection(-1., space.velocity, result.momentum);
     result.momentum.compress(dealii::VectorOperation::add);
     result.divergence.compress(dealii::VectorOperation::add);
     result.momentum += fixed_forces;
@@ -552,22 +503,17 @@ namespace feib
 
   template <int dim>
   void
-  NavierStokes<dim>::account(const Space &space,
-                             const Residual &residual,
-                             const VelocityVector &explicit_convection,
-                             Report &report) const
+  NavierStokes<dim>::account(const Space &space, const Residual &residual, Report &report) const
   {
     report.dissipation = operators.dissipation(space.velocity);
     VelocityVector increment(space.velocity);
     increment -= space.old_velocity;
     increment.update_ghost_values();
     report.increment_energy = .5 * operators.square(increment);
-    if (convection == Convection::explicit_extrapolation)
-      report.convection_power = explicit_convection * space.velocity;
-    else if (convection == Convection::implicit)
+    if (convects)
       {
         VelocityVector force = space.make_velocity();
-        operators.add_convection(1., space.velocity, space.velocity, force);
+        operators.add_convection(1., space.velocity, force);
         force.compress(dealii::VectorOperation::add);
         report.convection_power = force * space.velocity;
       }
@@ -587,18 +533,25 @@ namespace feib
   NavierStokes<dim>::advance(Space &space, const Step &step)
   {
     prepare(space);
+    if (total_pressure())
+      add_dynamic_pressure(space, 1);
     guess(space, step);
     space.set_time(step.time);
     space.distribute(space.velocity, false);
+    const double rate = 1 / step.dt;
+    double cfl        = 0;
+    if (convects)
+      {
+        const VelocityVector w = extrapolated_velocity(space, step.dt);
+        operators.set_convecting_velocity(w);
+        cfl = operators.cfl_rate(w) * step.dt;
+      }
 
-    VelocityVector explicit_convection;
-    const VelocityVector fixed = fixed_forces(space, step, explicit_convection);
+    const VelocityVector fixed = fixed_forces(space, step);
     VelocityVector condensed   = fixed;
     space.condense(condensed);
-    const bool linear =
-      convection != Convection::implicit && (!step.implicit_load || step.implicit_load->linear());
+    const bool linear = !newton && (!step.implicit_load || step.implicit_load->linear());
 
-    const double rate = 1 / step.dt;
     Report report;
     Residual present = residual(space, step, fixed);
     check_net_flux(space, present.divergence, present.norms.divergence_scale);
@@ -635,7 +588,8 @@ namespace feib
           solver.solve({space,
                         operators,
                         rate,
-                        convection == Convection::implicit ? &space.velocity : nullptr,
+                        newton ? operators.cfl_rate(space.velocity) * step.dt : cfl,
+                        newton ? &space.velocity : nullptr,
                         step.implicit_load},
                        present.momentum,
                        present.divergence,
@@ -678,7 +632,7 @@ namespace feib
               }
           }
       }
-    account(space, present, explicit_convection, report);
+    account(space, present, report);
 
     constexpr unsigned int n_kept = 3;
     if (!solutions.empty() && same_time(solutions.front(), step))
@@ -686,6 +640,13 @@ namespace feib
     solutions.push_front({step.time, space.velocity, space.pressure});
     if (solutions.size() > n_kept)
       solutions.pop_back();
+    if (total_pressure())
+      {
+        add_dynamic_pressure(space, -1);
+        if (space.domain().enclosed())
+          remove_mean_pressure(space);
+        space.pressure.update_ghost_values();
+      }
     return report;
   }
 } // namespace feib

@@ -26,7 +26,7 @@ namespace feib
 
     // Where the spectrum of D^{-1} A is within this, Chebyshev's iteration brings errors down to
     // the accuracy for no more than a cycle takes.
-    constexpr double well_conditioned = 25, accuracy = .01;
+    constexpr double well_conditioned = 25, accuracy = .02;
 
     // M^{-1} ~ (1 + sharpness) Ml^{-1} - sharpness Ml^{-1} M Ml^{-1}: of B M^{-1} B^T, in a
     // periodic box, B Ml^{-1} B^T has 1/3.1 to 1 (1/3.9 to 1 in 3D), this 1/1.5 to 1.04 (1/1.9

@@ -38,11 +38,8 @@ namespace feib
         result                 = 0.;
         g                      = 0.;
         equations.operators.subtract_stokes(equations.rate, v, src.block(1), result, g);
-        if (equations.velocity)
-          {
-            equations.operators.add_convection(-1., v, *equations.velocity, result);
-            equations.operators.add_convection(-1., *equations.velocity, v, result);
-          }
+        if (equations.cfl > 0)
+          equations.add_convection(-1., v, result);
         result.compress(dealii::VectorOperation::add);
         g.compress(dealii::VectorOperation::add);
         result *= -1.;
@@ -72,8 +69,7 @@ namespace feib
         equations.space.distribute(v, true);
         dst = 0.;
         equations.operators.add_velocity_form(equations.rate, 1., v, dst);
-        equations.operators.add_convection(1., v, *equations.velocity, dst);
-        equations.operators.add_convection(1., *equations.velocity, v, dst);
+        equations.add_convection(1., v, dst);
         dst.compress(dealii::VectorOperation::add);
         equations.space.condense(dst);
       }
@@ -168,10 +164,8 @@ namespace feib
     constexpr unsigned int bearable = dim == 2 ? 20000 : 1000;
     constexpr double large_cfl      = 8;
     const auto &terms               = equations.operators.terms();
-    const bool lacking              = equations.load || terms.grad_div > 10 * terms.mu ||
-                         equations.operators.reconstructs() ||
-                         (equations.velocity && equations.operators.cfl_rate(*equations.velocity) >
-                                                  large_cfl * equations.rate);
+    const bool lacking =
+      equations.load || terms.grad_div > 10 * terms.mu || equations.cfl > large_cfl;
     return n_cells <= (lacking ? bearable : small) ? Method::direct : Method::multigrid;
   }
 
@@ -182,10 +176,8 @@ namespace feib
   {
     const Method chosen = choose(equations);
     // With convection beyond this CFL number, the blocks without it lose their grip.
-    constexpr double moderate = 1;
-    const bool now_convective =
-      chosen == Method::multigrid && equations.velocity &&
-      equations.operators.cfl_rate(*equations.velocity) > moderate * equations.rate;
+    constexpr double moderate = 8;
+    const bool now_convective = chosen == Method::multigrid && equations.cfl > moderate;
     // The last step of a run may differ from the others by round-off only.
     const bool same = revision == equations.space.revision() && operators == &equations.operators &&
                       std::abs(rate - equations.rate) <= 1e-10 * rate;
@@ -215,7 +207,6 @@ namespace feib
   StokesSolver<dim>::factorize(const Equations &equations)
   {
     constexpr unsigned int n_u = FluidOperators<dim>::n_u, n_p = FluidOperators<dim>::n_p;
-    const VelocityVector *w       = factor_with_convection ? equations.velocity : nullptr;
     const ImplicitLoad<dim> *load = factor_with_load ? equations.load : nullptr;
     std::map<unsigned int, std::vector<double>> of_level;
     factor_outdated = true; // should this fail
@@ -223,18 +214,21 @@ namespace feib
       equations.space,
       [&](const unsigned int c, dealii::FullMatrix<double> &matrix) {
         std::vector<double> &velocity = of_level[equations.space.cells()[c].level];
-        if (velocity.empty() || w)
-          velocity = equations.operators.velocity_matrix(equations.space, c, equations.rate, w);
+        if (velocity.empty())
+          velocity = equations.operators.velocity_matrix(equations.space, c, equations.rate);
         const std::vector<double> &divergence =
           equations.operators.divergence_matrix(equations.space, c);
+        const std::vector<double> convection =
+          factor_with_convection ? equations.operators.convection_matrix(c, equations.newton)
+                                 : std::vector<double>(n_u * n_u, 0.);
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
-            matrix(i, j) = velocity[i * n_u + j];
+            matrix(i, j) = velocity[i * n_u + j] + convection[i * n_u + j];
         for (unsigned int k = 0; k < n_p; ++k)
           for (unsigned int j = 0; j < n_u; ++j)
             matrix(n_u + k, j) = matrix(j, n_u + k) = -divergence[k * n_u + j];
       },
-      w == nullptr,
+      !factor_with_convection,
       load ? load->matrix() : std::vector<typename ImplicitLoad<dim>::Product>());
     factor_outdated = false;
     excess          = 0;
@@ -264,7 +258,7 @@ namespace feib
           factor_outdated = factor_with_load = true;
         if (factor_outdated)
           factorize(equations);
-        if (!equations.velocity && !equations.load)
+        if (equations.cfl == 0 && !equations.load)
           {
             direct.solve(r, g, du, dp);
             return 1;
@@ -343,7 +337,7 @@ namespace feib
               "factorising the fluid matrix anew, with all there is; the last one served " +
               std::to_string(uses) + " solutions");
             factor_with_load       = equations.load != nullptr;
-            factor_with_convection = equations.velocity != nullptr;
+            factor_with_convection = equations.cfl > 0;
             factorize(equations);
             solution = 0.;
           }

@@ -10,9 +10,9 @@
 
 namespace feib
 {
-  /// Solves the linear equations of a step, or of a step of Newton's method, for a correction of
-  /// velocity and pressure: by FGMRES with multigrid or a factorisation for preconditioner, or by
-  /// the factorisation alone where that has all there is in the equations.
+  /// Solves the linear equations of a step, or of a step of Newton's method for an implicit load,
+  /// for a correction of velocity and pressure: by FGMRES with multigrid or a factorisation for
+  /// preconditioner, or by the factorisation alone where that has all there is in the equations.
   template <int dim>
   class StokesSolver
   {
@@ -29,9 +29,19 @@ namespace feib
     {
       const EulerianSpace<dim> &space;
       const FluidOperators<dim> &operators;
-      double rate;                              // 1/dt
-      const VelocityVector *velocity = nullptr; // convection linearised here, if any
-      const ImplicitLoad<dim> *load  = nullptr;
+      double rate;                             // 1/dt
+      double cfl                    = 0;       // of the convecting velocity; 0: no convection
+      const VelocityVector *newton  = nullptr; // where Newton's method linearises convection, if so
+      const ImplicitLoad<dim> *load = nullptr;
+
+      /// r += factor times convection of u
+      void
+      add_convection(const double factor, const VelocityVector &u, VelocityVector &r) const
+      {
+        operators.add_convection(factor, u, r);
+        if (newton)
+          operators.add_convection_by(factor, u, *newton, r);
+      }
     };
 
     explicit StokesSolver(const Method method)
