@@ -160,16 +160,15 @@ namespace
   }
 
 
-  void
+  /// Whether the end was reached.
+  bool
   run(Simulation &simulation, const CommandLine &command, const Case &description)
   {
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
     prepare(command.output, description.resolved());
     log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
-    simulation.run({command.output, show, stop_requested});
-    log::status("");
-    log::info("done, results in " + command.output);
+    return simulation.run({command.output, show, stop_requested});
   }
 
 
@@ -227,8 +226,7 @@ namespace
       }
     if (command.validate)
       return print(command.case_file + " is valid\n"), 0;
-    run(*simulation, command, *description);
-    return 0;
+    return run(*simulation, command, *description) ? 0 : 1;
   }
 
 

@@ -82,11 +82,14 @@ namespace feib
     }
 
 
-    /// What feib-host says when it was told to stop: that is no result.
-    bool
-    was_stopped(const Json &summary)
+    /// What a run that ended says of itself. To be told to stop is no result.
+    Outcome
+    outcome_of(const int exit_code, Json summary)
     {
-      return summary.value("message", "").rfind("stopped by a signal", 0) == 0;
+      const std::string status = summary.is_object() ? summary.value("status", "") : "";
+      const bool ended =
+        exit_code == 0 ? status.rfind("completed", 0) == 0 : exit_code == 1 && status == "failed";
+      return {ended ? status : no_result, std::move(summary)};
     }
   } // namespace
 
@@ -179,8 +182,7 @@ namespace feib
         if (Json summary = read_summary(run.folder); !summary.is_null())
           {
             ++n_found;
-            return &(
-              outcomes[run.folder] = {exit_code == 0 ? "completed" : "failed", std::move(summary)});
+            return &(outcomes[run.folder] = outcome_of(exit_code, std::move(summary)));
           }
     return nullptr;
   }
@@ -250,7 +252,7 @@ namespace feib
       if (outcome == nullptr)
         return {};
       lost = lost || outcome->status == no_result;
-      return outcome->status == "completed";
+      return outcome->completed();
     });
     if (lost)
       combination.outcome.status = no_result;
@@ -293,11 +295,7 @@ namespace feib
     if (exit_code == 2)
       refused(run, exit_code, read_file(folder / "host.txt").value_or(""));
 
-    Outcome outcome{no_result, read_summary(folder)};
-    if (!outcome.summary.is_null() && exit_code == 0)
-      outcome.status = "completed";
-    else if (!outcome.summary.is_null() && exit_code == 1 && !was_stopped(outcome.summary))
-      outcome.status = "failed";
+    Outcome outcome = outcome_of(exit_code, read_summary(folder));
 
     std::ostringstream line;
     line << '[' << n_done + n_found + n_lost + 1;

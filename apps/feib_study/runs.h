@@ -23,8 +23,14 @@ namespace feib
   /// What became of a run.
   struct Outcome
   {
-    std::string status; // "completed", "failed" or "no result"
+    std::string status; // "completed", "completed_with_warnings", "failed" or "no result"
     Json summary;       // what summary.json holds; null without result
+
+    bool
+    completed() const
+    {
+      return status.rfind("completed", 0) == 0;
+    }
   };
 
 

@@ -101,8 +101,8 @@ namespace feib
         {
           bool known = combinations[i].values[rate.axis] >= needed;
           for (std::size_t k = 0; known && k <= needed; ++k)
-            known = cells[i - k * stride].is_number() &&
-                    combinations[i - k * stride].outcome.status == "completed";
+            known =
+              cells[i - k * stride].is_number() && combinations[i - k * stride].outcome.completed();
           if (!known)
             continue;
           const auto e = [&](const std::size_t k) { return cells[i - k * stride].get<double>(); };

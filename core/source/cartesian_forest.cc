@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/cartesian_forest.h>
+#include <feib/domain.h>
 
 #include <deal.II/grid/tria_accessor.h>
 #include <deal.II/grid/tria_iterator.h>
@@ -82,6 +83,7 @@ namespace feib
     for (unsigned int a = 0; a < dim; ++a)
       {
         inverse_size[a] = base_cells[a] / (upper[a] - lower[a]);
+        near[a]         = periodic[a] ? 0. : round_off(lower[a], upper[a]) * inverse_size[a];
         n_base *= base_cells[a];
       }
 
@@ -128,10 +130,25 @@ namespace feib
   CartesianForest<dim>::inside(const dealii::Point<dim> &x) const
   {
     for (unsigned int a = 0; a < dim; ++a)
-      if (!(std::abs((x[a] - lower[a]) * inverse_size[a]) < 1e9) ||
-          (!periodic[a] && !(x[a] >= lower[a] && x[a] <= upper[a])))
-        return false;
+      {
+        const double z = coordinate(x, a);
+        if (!(std::abs(z) < 1e9) || (!periodic[a] && !(z >= 0 && z <= base_cells[a])))
+          return false;
+      }
     return true;
+  }
+
+
+  template <int dim>
+  double
+  CartesianForest<dim>::coordinate(const dealii::Point<dim> &x, const unsigned int a) const
+  {
+    const double z = (x[a] - lower[a]) * inverse_size[a];
+    if (std::abs(z) <= near[a])
+      return 0;
+    if (std::abs(z - base_cells[a]) <= near[a])
+      return base_cells[a];
+    return z;
   }
 
 
@@ -145,7 +162,7 @@ namespace feib
     unsigned int index = 0, stride = 1;
     for (unsigned int a = 0; a < dim; ++a)
       {
-        double z = (x[a] - lower[a]) * inverse_size[a];
+        double z = coordinate(x, a);
         if (periodic[a])
           z -= base_cells[a] * std::floor(z / base_cells[a]);
         // The upper end belongs to the last cell.
@@ -182,7 +199,7 @@ namespace feib
     for (unsigned int k = 0; k < dim; ++k)
       {
         for (unsigned int a = 0; a < dim; ++a)
-          polygon[k].unit[a] = (facet[k][a] - lower[a]) * inverse_size[a];
+          polygon[k].unit[a] = coordinate(facet[k], a);
         polygon[k].barycentric.fill(0);
         polygon[k].barycentric[k] = 1;
       }

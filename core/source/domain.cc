@@ -32,7 +32,7 @@ namespace feib
 
     template <int dim>
     typename Domain<dim>::Face
-    make_face(const Parameters &parameters)
+    make_face(const Parameters &parameters, const unsigned int direction)
     {
       typename Domain<dim>::Face face;
       const auto [name, block] = parameters.choice();
@@ -41,12 +41,17 @@ namespace feib
       else if (name == "free_slip")
         face.condition = BoundaryCondition::free_slip;
       else if (name == "outflow")
-        face.condition = BoundaryCondition::outflow;
+        {
+          face.condition = BoundaryCondition::outflow;
+          face.tight     = false;
+        }
       else
         {
           face.condition      = BoundaryCondition::velocity;
           face.velocity       = parse_expressions<dim>(block, "value", dim, Variables::space_time);
           face.time_dependent = depends_on_time(block, "value");
+          const std::string across = block.expressions("value")[direction];
+          face.tight               = across == "0" || across == "0.0" || across == "-0.0";
         }
       return face;
     }
@@ -94,7 +99,11 @@ namespace feib
         if (cells[a] < 2)
           parameters.fail("cells/" + std::to_string(a),
                           "found 1, a periodic direction needs at least 2 base cells");
-        faces[2 * a].condition = faces[2 * a + 1].condition = BoundaryCondition::periodic;
+        for (const unsigned int f : {2 * a, 2 * a + 1})
+          {
+            faces[f].condition = BoundaryCondition::periodic;
+            faces[f].tight     = false;
+          }
       }
 
     const Parameters boundary = parameters.child("boundary");
@@ -110,7 +119,7 @@ namespace feib
           boundary.fail(name,
                         std::string("the box is periodic in ") + direction_names[f / 2] +
                           "; such a face takes no condition");
-        faces[f] = make_face<dim>(boundary.child(name));
+        faces[f] = make_face<dim>(boundary.child(name), f / 2);
       }
   }
 
@@ -123,6 +132,21 @@ namespace feib
       if (face.condition == BoundaryCondition::outflow)
         return false;
     return true;
+  }
+
+
+  template <int dim>
+  std::array<bool, dim>
+  Domain<dim>::held(const dealii::Point<dim> &x) const
+  {
+    std::array<bool, dim> result;
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        const double near = round_off(lower[a], upper[a]);
+        result[a]         = (faces[2 * a].tight && x[a] <= lower[a] + near) ||
+                    (faces[2 * a + 1].tight && x[a] >= upper[a] - near);
+      }
+    return result;
   }
 
 

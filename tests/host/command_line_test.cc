@@ -153,6 +153,7 @@ TEST_F(CommandLine, RunsIntoAFolderNamedByTheCase)
     {
       const RunResult result = host(file);
       EXPECT_EQ(result.exit_code, 0) << result.output;
+      EXPECT_TRUE(holds(result.output, "\ncompleted, results in output/")) << result.output;
       EXPECT_FALSE(holds(result.output, "%")) << "progress is for terminals: " << result.output;
     }
   for (const std::string name : {"output/vessel", "output/other"})
@@ -211,7 +212,8 @@ TEST_F(CommandLine, ASignalEndsTheRunInOrder)
   EXPECT_EQ(result.exit_code, 1) << result.output;
   EXPECT_TRUE(holds(result.output, "stopped by")) << result.output;
   EXPECT_TRUE(holds(read_file(folder / "out/log.txt"), "error: stopped by"));
-  EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "failed");
+  EXPECT_TRUE(holds(result.output, "\nstopped, results in out\n")) << result.output;
+  EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "stopped");
 }
 
 TEST_F(CommandLine, ShowsProgressOnATerminal)

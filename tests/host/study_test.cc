@@ -237,14 +237,14 @@ TEST_F(StudyRuns, BisectsTheStepOfAStiffMembrane)
     if (entry.path().filename().string().rfind("stiffness=1000,", 0) == 0)
       {
         const double dt = read_json(entry.path() / "resolved.json")["time"]["step"];
-        if (read_json(entry.path() / "summary.json")["status"] == "completed")
+        if (read_json(entry.path() / "summary.json")["status"] != "failed")
           completed = std::max(completed, dt);
         else
           failed = std::min(failed, dt);
       }
   EXPECT_EQ(table[2][0], "1000");
   EXPECT_EQ(std::stod(table[2][1]), completed);
-  EXPECT_EQ(table[2][2], "completed");
+  EXPECT_EQ(table[2][2], "completed_with_warnings"); // above the forecast
   EXPECT_EQ(std::stod(table[2][3]), std::ceil(0.05 / completed));
   EXPECT_LT(completed, failed);
   EXPECT_LE(failed, 3 * completed);

@@ -32,8 +32,8 @@ namespace feib
 
     /// The number of the locally owned cell that holds x, or not_here when another rank's cell does
     /// or x is outside the box or not finite. Each point inside belongs to exactly one cell on
-    /// exactly one rank. On success @p unit is the place in the cell, in [0,1]^dim. Periodic
-    /// directions wrap.
+    /// exactly one rank. On success @p unit is the place in the cell, in [0,1]^dim; what lies on a
+    /// face of the box within round_off() is taken to be in it. Periodic directions wrap.
     unsigned int locate(const dealii::Point<dim> &x, dealii::Point<dim> &unit) const;
 
     /// A corner of a piece of a facet: its place in the unit cell, and its barycentric coordinates
@@ -53,11 +53,15 @@ namespace feib
     /// facet: what lies in a face belongs to one cell of those beside it. Periodic directions wrap.
     void cut(const std::array<dealii::Point<dim>, dim> &facet, const VisitPiece &visit) const;
 
-    /// Whether x is finite and in the box (along periodic directions: not absurdly far away).
+    /// Whether x is finite and, up to round_off(), in the box (along periodic directions: not
+    /// absurdly far away).
     bool inside(const dealii::Point<dim> &x) const;
 
   private:
     using Polygon = std::vector<Corner>;
+
+    /// The coordinate in base cells; in the face of the box where x is in it within round-off.
+    double coordinate(const dealii::Point<dim> &x, unsigned int a) const;
 
     /// Cuts along the faces of the base cells across directions a, a + 1, ...
     void cut_base(const Polygon &polygon,
@@ -78,6 +82,7 @@ namespace feib
     std::vector<Node> nodes;
     dealii::Point<dim> lower, upper;
     dealii::Tensor<1, dim> inverse_size; // of a base cell
+    dealii::Tensor<1, dim> near;         // round_off(), in base cells; 0 where periodic
     std::array<unsigned int, dim> base_cells;
     std::array<bool, dim> periodic;
   };

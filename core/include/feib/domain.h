@@ -7,7 +7,10 @@
 #include <deal.II/base/function.h>
 #include <deal.II/base/point.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 
 namespace feib
@@ -21,6 +24,15 @@ namespace feib
     periodic
   };
 
+  /// Within this distance of a face of the box, which goes from @p lower to @p upper across the
+  /// face, a point counts as on it: coordinates come from sums, expressions and files.
+  inline double
+  round_off(const double lower, const double upper)
+  {
+    return 1e-10 * (upper - lower) +
+           16 * std::numeric_limits<double>::epsilon() * std::max(std::abs(lower), std::abs(upper));
+  }
+
   /// The box, its base cells and what holds on its faces, from the block "domain" of a case.
   template <int dim>
   struct Domain
@@ -33,6 +45,9 @@ namespace feib
       BoundaryCondition condition = BoundaryCondition::no_slip;
       std::unique_ptr<dealii::Function<dim>> velocity; // of x and t, for condition velocity
       bool time_dependent = false;
+      /// Whether nothing can cross the face: no_slip, free_slip, or a velocity whose component
+      /// across the face is the number 0.
+      bool tight = true;
     };
 
     /// Whether no fluid can cross the boundary freely, so that the pressure is known up to a
@@ -44,6 +59,10 @@ namespace feib
     {
       return faces[2 * direction].condition == BoundaryCondition::periodic;
     }
+
+    /// The directions that a point cannot leave its place in, as it lies in a tight face across
+    /// them (within round_off()).
+    std::array<bool, dim> held(const dealii::Point<dim> &x) const;
 
     dealii::Point<dim> lower, upper;
     std::array<unsigned int, dim> cells;

@@ -41,9 +41,11 @@ namespace feib
       std::function<bool()> stop_requested;
     };
 
-    /// Runs to the end and writes everything, summary.json included. On trouble the last good state
-    /// and a summary with status "failed" are written before RunFailure is thrown on all ranks.
-    virtual void run(const Options &options) = 0;
+    /// Runs, writes everything, summary.json included, and logs how it went; the last line begins
+    /// with the status. Whether the end was reached: with trouble or a signal the last good state is
+    /// written and the status is "failed" or "stopped". Throws RunFailure, on all ranks, when that
+    /// cannot be written either.
+    virtual bool run(const Options &options) = 0;
   };
 } // namespace feib
 

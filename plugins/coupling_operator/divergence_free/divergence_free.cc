@@ -29,6 +29,11 @@ namespace feib
   /// which turns and stretches N_i into n_K, while sum_K T_iK / dim = I. So nodal forces p N_i of a
   /// uniform pressure become the pressure p n_K on all facets, which moves no divergence-free
   /// fluid, and the volume gained, sum_i N_i . U_i, is the flux of R u: zero for a closed surface.
+  ///
+  /// A node in a wall that nothing can cross stays in it: it moves with u(X_i) along the wall. What
+  /// its average would have been beyond that goes to the other nodes of its facets,
+  ///   phi_j -> phi_j + 1/n sum_i phi_i  and  - 1/n sum_i U_i/dim,
+  /// i the nodes of K in walls and n the number of others, so that the flux stays that of R u.
   template <int dim>
   class DivergenceFree : public CouplingOperator<dim>
   {
@@ -64,17 +69,29 @@ namespace feib
     struct Plain
     {
       unsigned int point, cell;
+      std::array<bool, dim> held; // components that are zero, as the point is in a wall
       double values[n];
     };
 
-    /// A facet, and T_iK for each of its nodes; zero for a node that it does not move: where an
-    /// interface ends at the boundary of the body the boundary alone moves the node, so that the
-    /// flux through that stays exact.
+    /// A facet, and T_iK for each of its nodes; zero for a node that it does not move: one in a
+    /// wall, and where an interface ends at the boundary of the body: the boundary alone moves the
+    /// node, so that the flux through that stays exact.
     struct Sheet
     {
       Facet nodes;
       std::array<bool, dim> moves;
+      std::array<bool, dim> at_wall;
       std::array<Matrix, dim> maps;
+
+      /// Of the part that each node moved takes over from each node in a wall; 0: there are none.
+      double
+      share() const
+      {
+        const auto number = std::count(moves.begin(), moves.end(), true);
+        return number > 0 && number < dim && std::count(at_wall.begin(), at_wall.end(), true) > 0
+                 ? 1. / number
+                 : 0.;
+      }
     };
 
     /// The part of a facet in one cell, in normalised measure: integrals of phi_v L_m and of
@@ -110,11 +127,18 @@ namespace feib
       alignas(64) double sums[n_rows][width]    = {};
     };
 
-    static std::vector<Sheet> find_sheets(const LagrangianMesh<dim> &mesh);
+    static std::vector<Sheet> find_sheets(const Domain<dim> &domain,
+                                          const LagrangianMesh<dim> &mesh,
+                                          const Positions<dim> &X);
 
     void set_flux_maps(const Positions<dim> &X);
 
     void cut_sheets(const EulerianSpace<dim> &space, const Positions<dim> &X);
+
+    /// Calls @p visit(i, j, A) for each node i in a wall and node j moved of a facet: U_j is less
+    /// by A U_i than what the integrals say.
+    template <class Visit>
+    void for_each_shared(const Visit &visit) const;
 
     /// The coefficients of R u (or u) in each of the touched cells.
     std::vector<Coefficients> coefficients(const EulerianSpace<dim> &space,
@@ -215,7 +239,7 @@ namespace feib
 
     sheets.clear();
     if (points.are_nodes(mesh.n_nodes()))
-      sheets = find_sheets(mesh);
+      sheets = find_sheets(space.domain(), mesh, X);
     for (const Sheet &sheet : sheets)
       for (unsigned int a = 0; a < dim; ++a)
         for (const unsigned int i : sheet.nodes)
@@ -225,11 +249,12 @@ namespace feib
     set_flux_maps(X);
     cut_sheets(space, X);
 
-    // What is left: nodes inside a body, and load points between the nodes.
+    // What is left: nodes inside a body or in walls, and load points between the nodes.
     std::vector<bool> moved(n_points, false);
     for (const Sheet &sheet : sheets)
-      for (const unsigned int i : sheet.nodes)
-        moved[i] = true;
+      for (unsigned int v = 0; v < dim; ++v)
+        if (sheet.moves[v])
+          moved[sheet.nodes[v]] = true;
     plain.clear();
     dealii::Point<dim> unit;
     for (unsigned int q = 0; q < n_points; ++q)
@@ -237,7 +262,7 @@ namespace feib
         if (const unsigned int cell = space.forest().locate(x[q], unit);
             cell != CartesianForest<dim>::not_here)
           {
-            plain.push_back({q, cell, {}});
+            plain.push_back({q, cell, space.domain().held(x[q]), {}});
             EulerianSpace<dim>::shape_values(unit, plain.back().values);
           }
   }
@@ -245,24 +270,44 @@ namespace feib
 
   template <int dim>
   std::vector<typename DivergenceFree<dim>::Sheet>
-  DivergenceFree<dim>::find_sheets(const LagrangianMesh<dim> &mesh)
+  DivergenceFree<dim>::find_sheets(const Domain<dim> &domain,
+                                   const LagrangianMesh<dim> &mesh,
+                                   const Positions<dim> &X)
   {
     std::vector<Sheet> result;
     std::vector<bool> outer(mesh.n_nodes(), false);
     for (const Facet &facet : mesh.surface())
       {
-        result.push_back({facet, {}, {}});
-        result.back().moves.fill(true);
-        for (const unsigned int i : facet)
-          outer[i] = true;
+        result.push_back({facet, {}, {}, {}});
+        for (unsigned int v = 0; v < dim; ++v)
+          {
+            const std::array<bool, dim> held = domain.held(X[facet[v]]);
+            result.back().at_wall[v] = std::find(held.begin(), held.end(), true) != held.end();
+            result.back().moves[v]   = !result.back().at_wall[v];
+            outer[facet[v]]          = true;
+          }
       }
     for (const Facet &facet : mesh.interfaces())
       {
-        result.push_back({facet, {}, {}});
+        result.push_back({facet, {}, {}, {}});
         for (unsigned int v = 0; v < dim; ++v)
           result.back().moves[v] = !outer[facet[v]];
       }
     return result;
+  }
+
+
+  template <int dim>
+  template <class Visit>
+  void
+  DivergenceFree<dim>::for_each_shared(const Visit &visit) const
+  {
+    for (const Sheet &sheet : sheets)
+      if (const double share = sheet.share(); share > 0)
+        for (unsigned int v = 0; v < dim; ++v)
+          for (unsigned int w = 0; w < dim; ++w)
+            if (sheet.at_wall[v] && sheet.moves[w])
+              visit(sheet.nodes[v], sheet.nodes[w], share / dim * transpose(sheet.maps[w]));
   }
 
 
@@ -390,10 +435,23 @@ namespace feib
       return pieces.back();
     };
 
+    // The weights of the nodes moved at a place of a sheet.
+    const auto weights = [](const Sheet &sheet, std::array<double, dim> lambda) {
+      if (const double share = sheet.share(); share > 0)
+        for (unsigned int v = 0; v < dim; ++v)
+          for (unsigned int w = 0; w < dim; ++w)
+            if (sheet.at_wall[v] && sheet.moves[w])
+              lambda[w] += share * lambda[v];
+      return lambda;
+    };
+
     Moments moments;
     std::array<dealii::Point<dim>, dim> corners;
     for (unsigned int k = 0; k < sheets.size(); ++k)
       {
+        const auto &moves = sheets[k].moves;
+        if (std::find(moves.begin(), moves.end(), true) == moves.end())
+          continue;
         for (unsigned int v = 0; v < dim; ++v)
           corners[v] = X[sheets[k].nodes[v]];
         if (cut)
@@ -421,7 +479,7 @@ namespace feib
                         for (unsigned int w = 0; w < dim; ++w)
                           lambda[w] += t * (corner(v).barycentric[w] - corner(0).barycentric[w]);
                       }
-                    moments.add(unit, lambda, part * quadrature.weight(q));
+                    moments.add(unit, weights(sheets[k], lambda), part * quadrature.weight(q));
                   }
               }
             moments.move_to(piece_of(k, cell));
@@ -445,7 +503,7 @@ namespace feib
               const unsigned int cell = space.forest().locate(x, unit);
               if (cell == CartesianForest<dim>::not_here)
                 continue;
-              moments.add(unit, lambda, quadrature.weight(q));
+              moments.add(unit, weights(sheets[k], lambda), quadrature.weight(q));
               moments.move_to(piece_of(k, cell));
             }
       }
@@ -504,7 +562,7 @@ namespace feib
       {
         const unsigned int *dofs = space.velocity_dofs(point.cell);
         for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int i = 0; i < n && !point.held[a]; ++i)
             values[point.point * dim + a] += point.values[i] * u.local_element(dofs[a * n + i]);
       }
     dealii::Utilities::MPI::sum(values, space.communicator(), values);
@@ -512,6 +570,8 @@ namespace feib
     for (unsigned int q = 0; q < n_points; ++q)
       for (unsigned int a = 0; a < dim; ++a)
         U[q][a] = values[q * dim + a];
+    for_each_shared(
+      [&](const unsigned int i, const unsigned int j, const Matrix &A) { U[j] -= A * U[i]; });
   }
 
 
@@ -522,6 +582,9 @@ namespace feib
                               VelocityVector &rhs) const
   {
     rhs.zero_out_ghost_values();
+    NodalField<dim> forces = f;
+    for_each_shared(
+      [&](const unsigned int i, const unsigned int j, const Matrix &A) { forces[i] -= f[j] * A; });
     std::vector<Coefficients> cells(touched_cells.size()); // functionals of R u, zero
     for (const Piece &piece : pieces)
       {
@@ -529,7 +592,7 @@ namespace feib
         const Sheet &sheet = sheets[piece.sheet];
         for (unsigned int v = 0; v < dim; ++v)
           {
-            const dealii::Tensor<1, dim> force = sheet.maps[v] * f[sheet.nodes[v]];
+            const dealii::Tensor<1, dim> force = sheet.maps[v] * forces[sheet.nodes[v]];
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int m = 0; m < n_modes; ++m)
                 {
@@ -550,8 +613,8 @@ namespace feib
       {
         const unsigned int *dofs = space.velocity_dofs(point.cell);
         for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int i = 0; i < n; ++i)
-            rhs.local_element(dofs[a * n + i]) += point.values[i] * f[point.point][a];
+          for (unsigned int i = 0; i < n && !point.held[a]; ++i)
+            rhs.local_element(dofs[a * n + i]) += point.values[i] * forces[point.point][a];
       }
     rhs.compress(dealii::VectorOperation::add);
   }
@@ -595,13 +658,26 @@ namespace feib
           reconstruction->weights(functional[a], weights);
           add_row(std::uint64_t(place.first) * dim + a, place.second, weights);
         }
+    // Where the velocity of a node in a wall enters beside its own row.
+    std::vector<std::vector<std::pair<unsigned int, Matrix>>> others(n_points);
+    for_each_shared([&](const unsigned int i, const unsigned int j, const Matrix &A) {
+      others[i].emplace_back(j, A);
+    });
     for (const Plain &point : plain)
       for (unsigned int a = 0; a < dim; ++a)
-        {
-          std::fill_n(weights, n_velocity, 0.);
-          std::copy_n(point.values, n, &weights[a * n]);
-          add_row(std::uint64_t(point.point) * dim + a, point.cell, weights);
-        }
+        if (!point.held[a])
+          {
+            const auto add_multiple = [&](const std::uint64_t row, const double factor) {
+              std::fill_n(weights, n_velocity, 0.);
+              for (unsigned int i = 0; i < n; ++i)
+                weights[a * n + i] = factor * point.values[i];
+              add_row(row, point.cell, weights);
+            };
+            add_multiple(std::uint64_t(point.point) * dim + a, 1.);
+            for (const auto &[j, A] : others[point.point])
+              for (unsigned int b = 0; b < dim; ++b)
+                add_multiple(std::uint64_t(j) * dim + b, -A[b][a]);
+          }
     return result;
   }
 } // namespace feib

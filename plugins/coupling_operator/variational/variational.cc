@@ -11,7 +11,8 @@
 
 namespace feib
 {
-  /// J u at a point is the finite element velocity there: (J u)_q = u_h(x_q).
+  /// J u at a point is the finite element velocity there: (J u)_q = u_h(x_q); in a wall that
+  /// nothing can cross, what it is along the wall.
   template <int dim>
   class Variational : public CouplingOperator<dim>
   {
@@ -41,6 +42,7 @@ namespace feib
     struct Located
     {
       unsigned int point, cell;
+      std::array<bool, dim> held; // components that are zero
       double values[n];
     };
     std::vector<Located> located;
@@ -73,6 +75,7 @@ namespace feib
         entry.cell = space.forest().locate(x[entry.point], unit);
         if (entry.cell == CartesianForest<dim>::not_here)
           continue;
+        entry.held = space.domain().held(x[entry.point]);
         EulerianSpace<dim>::shape_values(unit, entry.values);
         located.push_back(entry);
       }
@@ -90,7 +93,7 @@ namespace feib
       {
         const unsigned int *dofs = space.velocity_dofs(entry.cell);
         for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
             values[entry.point * dim + a] += entry.values[i] * u.local_element(dofs[a * n + i]);
       }
     dealii::Utilities::MPI::sum(values, space.communicator(), values);
@@ -112,7 +115,7 @@ namespace feib
       {
         const unsigned int *dofs = space.velocity_dofs(entry.cell);
         for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
             rhs.local_element(dofs[a * n + i]) += entry.values[i] * f[entry.point][a];
       }
     rhs.compress(dealii::VectorOperation::add);
@@ -128,7 +131,7 @@ namespace feib
       {
         const unsigned int *dofs = space.velocity_dofs(entry.cell);
         for (unsigned int a = 0; a < dim; ++a)
-          for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
             result.push_back({std::uint64_t(entry.point) * dim + a,
                               space.velocity.get_partitioner()->local_to_global(dofs[a * n + i]),
                               entry.values[i]});

@@ -12,21 +12,25 @@
 namespace feib::testing
 {
   /// Every coupling: (J^T f) . v = f . (J v) to round-off, on uniform and refined meshes, periodic
-  /// or not, before and after condensing, for structures of dimension m = dim and dim-1. @p
-  /// parameters: those of the component, JSON.
+  /// or not, before and after condensing, for structures of dimension m = dim and dim-1; also where
+  /// they stand on a wall along which the fluid slips, in which they then stay. @p parameters:
+  /// those of the component, JSON.
   template <int dim>
   void
   check_duality(const std::string &name,
                 const unsigned int m,
                 const bool refined,
                 const bool periodic,
-                const std::string &parameters = "{}")
+                const std::string &parameters = "{}",
+                const bool standing           = false)
   {
     SCOPED_TRACE("dim " + std::to_string(dim) + ", m " + std::to_string(m) +
-                 (refined ? ", refined" : "") + (periodic ? ", periodic" : ""));
+                 (refined ? ", refined" : "") + (periodic ? ", periodic" : "") +
+                 (standing ? ", standing on a wall" : ""));
     const std::string cells = dim == 2 ? "[5, 4]" : "[3, 4, 3]";
     const auto space =
-      make_space<dim>("{\"cells\": " + cells + (periodic ? ", \"periodic\": [\"x\"]}" : "}"));
+      make_space<dim>("{\"cells\": " + cells + (periodic ? ", \"periodic\": [\"x\"]" : "") +
+                      (standing ? ", \"boundary\": {\"y_min\": {\"free_slip\": {}}}}" : "}"));
     if (refined)
       for (unsigned int i = 0; i < 2; ++i)
         refine_where(*space, [](const auto &x) { return x[0] + x[1] < 0.9; });
@@ -41,6 +45,8 @@ namespace feib::testing
         X[i][1]       = .2 + .5 * s[1] + .2 * s[0] * s[0];
         if constexpr (dim == 3)
           X[i][2] = .3 + .4 * s[2] + .1 * std::cos(3 * s[0]);
+        if (standing) // but for round-off, outside and inside
+          X[i][1] = s[1] > 0 ? X[i][1] - .2 : 1e-14 * (i % 3 - 1.);
       }
 
     const auto coupling = registry().create<CouplingOperator<dim>>(name, parameters);
@@ -69,6 +75,8 @@ namespace feib::testing
         scale += f[i].norm() * U[i].norm();
       }
     ASSERT_GT(scale, 0.1);
+    for (unsigned int i = 0; standing && i < U.size(); ++i)
+      EXPECT_EQ(U[i][1] == 0, mesh.nodes()[i][1] == 0) << "node " << i;
     VelocityVector load = space->make_velocity();
     coupling->spread(*space, f, load);
     EXPECT_NEAR(load * v, power, 1e-12 * scale);
@@ -89,7 +97,7 @@ namespace feib::testing
         EXPECT_NEAR(by_entries[i * dim + a], U[i][a], 1e-12);
 
     // The total force arrives: the sum over a partition of unity.
-    if (!periodic)
+    if (!periodic && !standing)
       {
         VelocityVector raw = space->make_velocity();
         coupling->spread(*space, f, raw);
@@ -128,22 +136,32 @@ namespace feib::testing
 } // namespace feib::testing
 
 /// Runs the conformance kit on the coupling operator of this name.
-#define FEIB_TEST_COUPLING_OPERATOR(name)                              \
-  TEST(CouplingOperatorKit, SpreadIsTheTransposeOfInterpolate)         \
-  {                                                                    \
-    for (const bool refined : {false, true})                           \
-      for (const bool periodic : {false, true})                        \
-        {                                                              \
-          feib::testing::check_duality<2>(name, 1, refined, periodic); \
-          feib::testing::check_duality<2>(name, 2, refined, periodic); \
-          feib::testing::check_duality<3>(name, 2, refined, periodic); \
-          feib::testing::check_duality<3>(name, 3, refined, periodic); \
-        }                                                              \
-  }                                                                    \
-  TEST(CouplingOperatorKit, RefusesPointsOutsideTheBox)                \
-  {                                                                    \
-    feib::testing::check_refuses_points_outside<2>(name);              \
-    feib::testing::check_refuses_points_outside<3>(name);              \
+#define FEIB_TEST_COUPLING_OPERATOR(name)                                     \
+  TEST(CouplingOperatorKit, SpreadIsTheTransposeOfInterpolate)                \
+  {                                                                           \
+    for (const bool refined : {false, true})                                  \
+      for (const bool periodic : {false, true})                               \
+        {                                                                     \
+          feib::testing::check_duality<2>(name, 1, refined, periodic);        \
+          feib::testing::check_duality<2>(name, 2, refined, periodic);        \
+          feib::testing::check_duality<3>(name, 2, refined, periodic);        \
+          feib::testing::check_duality<3>(name, 3, refined, periodic);        \
+        }                                                                     \
+  }                                                                           \
+  TEST(CouplingOperatorKit, WhatStandsOnAWallStaysOnIt)                       \
+  {                                                                           \
+    for (const bool refined : {false, true})                                  \
+      {                                                                       \
+        feib::testing::check_duality<2>(name, 1, refined, false, "{}", true); \
+        feib::testing::check_duality<2>(name, 2, refined, true, "{}", true);  \
+        feib::testing::check_duality<3>(name, 2, refined, false, "{}", true); \
+        feib::testing::check_duality<3>(name, 3, refined, true, "{}", true);  \
+      }                                                                       \
+  }                                                                           \
+  TEST(CouplingOperatorKit, RefusesPointsOutsideTheBox)                       \
+  {                                                                           \
+    feib::testing::check_refuses_points_outside<2>(name);                     \
+    feib::testing::check_refuses_points_outside<3>(name);                     \
   }
 
 #endif

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "accounts.h"
+
+#include <cmath>
+
+namespace feib
+{
+  namespace
+  {
+    /// The phases a step's time is divided into, as the ledger lists them.
+    const char *const phases[] =
+      {"fluid", "structure", "coupling", "refinement", "output", "accounting"};
+
+    const char *const axes[] = {"x", "y", "z"};
+  } // namespace
+
+
+  template <int dim>
+  Accounts<dim>::Accounts(Components<dim> &components)
+    : components(components)
+  {
+    totals.leak.assign(components.structures.size(), 0.);
+    totals.time_error.assign(components.structures.size(), 0.);
+  }
+
+
+  template <int dim>
+  typename Accounts<dim>::State
+  Accounts<dim>::state() const
+  {
+    State result;
+    result.fluid            = components.fluid->balance(*components.space);
+    result.kinetic          = result.fluid.kinetic_energy;
+    result.elastic          = 0;
+    result.momentum         = result.fluid.momentum;
+    result.angular_momentum = result.fluid.angular_momentum;
+    for (const ImmersedStructure<dim> &structure : components.structures)
+      {
+        const StructureModel<dim> &model = *structure.model;
+        result.elastic += model.energy(model.positions);
+        for (unsigned int i = 0; i < model.excess_mass().size(); ++i)
+          {
+            const dealii::Tensor<1, dim> p = model.excess_mass()[i] * model.velocities[i];
+            const dealii::Point<dim> &X    = model.positions[i];
+            result.kinetic += .5 * (p * model.velocities[i]);
+            result.momentum += p;
+            result.angular_momentum[2] += X[0] * p[1] - X[1] * p[0];
+            if constexpr (dim == 3)
+              {
+                result.angular_momentum[0] += X[1] * p[2] - X[2] * p[1];
+                result.angular_momentum[1] += X[2] * p[0] - X[0] * p[2];
+              }
+          }
+      }
+    return result;
+  }
+
+
+  template <int dim>
+  void
+  Accounts<dim>::sum_up(const unsigned int step,
+                        const double dt,
+                        const Report &report,
+                        const double total)
+  {
+    totals.dissipated += report.dissipated;
+    totals.convected += report.convected;
+    totals.numerical += report.numerical;
+    totals.boundary_work += report.boundary_work;
+    totals.body_work += report.body_work;
+    totals.linear_iterations += report.linear_iterations;
+    totals.nonlinear_iterations += report.nonlinear_iterations;
+    totals.geometry_iterations += report.geometry_iterations;
+    if (step > 0)
+      {
+        const double increase   = total - totals.energy;
+        totals.largest_increase = std::max(totals.largest_increase, increase);
+        if (totals.energy > 0)
+          totals.largest_relative_increase =
+            std::max(totals.largest_relative_increase, increase / totals.energy);
+        totals.smallest_dt = std::min(totals.smallest_dt, dt);
+        totals.largest_dt  = std::max(totals.largest_dt, dt);
+      }
+    totals.energy = total;
+  }
+
+
+  template <int dim>
+  void
+  Accounts<dim>::add_structure(Ledger::Row &row, const unsigned int s, const Report &report) const
+  {
+    const StructureModel<dim> &model = *components.structures[s].model;
+    const auto exchange =
+      s < report.exchanges.size() ? report.exchanges[s] : typename TimeIntegrator<dim>::Exchange();
+    row.emplace_back("measure_" + model.name(), model.measure(model.positions));
+    row.emplace_back("leak_" + model.name(), totals.leak[s]);
+    row.emplace_back("time_error_" + model.name(), totals.time_error[s]);
+    row.emplace_back("power_" + model.name(), exchange.power);
+    for (unsigned int a = 0; a < dim; ++a)
+      row.emplace_back(std::string("force_") + axes[a] + "_" + model.name(), exchange.force[a]);
+    for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
+      row.emplace_back(std::string("torque_") + axes[a] + "_" + model.name(), exchange.torque[a]);
+  }
+
+
+  template <int dim>
+  void
+  Accounts<dim>::add(const unsigned int step,
+                     const double time,
+                     const double dt,
+                     const Report &report,
+                     const std::vector<Positions<dim>> &before)
+  {
+    for (unsigned int s = 0; s < before.size(); ++s)
+      {
+        const StructureModel<dim> &model = *components.structures[s].model;
+        if (model.mesh().structure_dim() < dim && !model.mesh().closed())
+          continue;
+        const double leak = report.exchanges[s].leak;
+        totals.leak[s] += leak;
+        totals.time_error[s] += model.measure(model.positions) - model.measure(before[s]) - leak;
+      }
+
+    Ledger::Row row;
+    {
+      const Timers::Section section(components.timers, "accounting");
+      const State now    = state();
+      const double total = now.kinetic + now.elastic;
+      sum_up(step, dt, report, total);
+      const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
+      const double closure = total - initial + totals.dissipated + totals.convected +
+                             totals.numerical - totals.boundary_work - totals.body_work -
+                             totals.remeshing;
+      totals.largest_closure = std::max(totals.largest_closure, std::abs(closure));
+
+      row = {{"step", double(step)},
+             {"time", time},
+             {"dt", dt},
+             {"kinetic", now.kinetic},
+             {"elastic", now.elastic},
+             {"dissipated", totals.dissipated},
+             {"convected", totals.convected},
+             {"numerical", totals.numerical},
+             {"boundary_work", totals.boundary_work},
+             {"body_work", totals.body_work},
+             {"remeshing", totals.remeshing},
+             {"total_energy", total},
+             {"closure", closure},
+             {"largest_velocity", now.fluid.largest_velocity},
+             {"divergence", now.fluid.divergence}};
+      for (unsigned int a = 0; a < dim; ++a)
+        row.emplace_back(std::string("momentum_") + axes[a], now.momentum[a]);
+      for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
+        row.emplace_back(std::string("angular_momentum_") + axes[a], now.angular_momentum[a]);
+      row.emplace_back("cfl", now.fluid.cfl_rate * dt);
+      for (unsigned int s = 0; s < components.structures.size(); ++s)
+        add_structure(row, s, report);
+      for (auto &entry : components.integrator->diagnostics(components.system(), dt))
+        row.push_back(std::move(entry));
+      row.emplace_back("displacement_error",
+                       std::isfinite(report.displacement_error)
+                         ? std::max(0., report.displacement_error)
+                         : 0.);
+      row.emplace_back("cells", components.space->triangulation().n_global_active_cells());
+      row.emplace_back("linear_iterations", report.linear_iterations);
+      row.emplace_back("nonlinear_iterations", report.nonlinear_iterations);
+      row.emplace_back("geometry_iterations", report.geometry_iterations);
+    }
+    for (const char *phase : phases)
+      {
+        const auto found    = components.timers.seconds().find(phase);
+        const double so_far = found == components.timers.seconds().end() ? 0. : found->second;
+        row.emplace_back(std::string("seconds_") + phase, so_far - seconds_at_last_row[phase]);
+        seconds_at_last_row[phase] = so_far;
+      }
+    for (const auto &[name, value] : row)
+      if (!std::isfinite(value))
+        throw RunFailure("the ledger's " + name + " is not finite at time " + std::to_string(time));
+    ledger.add(row);
+  }
+
+
+  template <int dim>
+  void
+  Accounts<dim>::add_remeshing(const double gained)
+  {
+    // Moving the velocity to another mesh is no work of the scheme.
+    totals.energy += gained;
+    totals.remeshing += gained;
+  }
+
+
+  template class Accounts<2>;
+  template class Accounts<3>;
+} // namespace feib

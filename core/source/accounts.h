@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_accounts_h
+#define feib_accounts_h
+
+#include "components.h"
+
+#include <limits>
+#include <map>
+
+namespace feib
+{
+  /// The accounts of a run: energies and other sums over time, and the ledger's rows.
+  template <int dim>
+  class Accounts
+  {
+  public:
+    using Report = typename TimeIntegrator<dim>::Report;
+
+    explicit Accounts(Components<dim> &components);
+
+    /// Sums over time: a part of the state, to be undone with a step.
+    struct Totals
+    {
+      double dissipated = 0, convected = 0, numerical = 0, boundary_work = 0, body_work = 0;
+      double energy            = 0; // now, on the mesh the next step is taken on
+      double remeshing         = 0; // kinetic energy gained by moving u to another mesh
+      double linear_iterations = 0, nonlinear_iterations = 0, geometry_iterations = 0;
+      double largest_increase          = -std::numeric_limits<double>::infinity();
+      double largest_relative_increase = -std::numeric_limits<double>::infinity();
+      double largest_closure           = 0;
+      double smallest_dt               = std::numeric_limits<double>::infinity();
+      double largest_dt                = 0;
+      std::vector<double> leak, time_error; // per structure, of its measure
+    };
+
+    Totals totals;
+    Ledger ledger;
+
+    /// Adds row @p step, of the state the components hold. @p before: the positions before the
+    /// step. Throws RunFailure when a value is not finite. Collective.
+    void add(unsigned int step,
+             double time,
+             double dt,
+             const Report &report,
+             const std::vector<Positions<dim>> &before);
+
+    /// The kinetic energy changed by moving to another mesh.
+    void add_remeshing(double gained);
+
+  private:
+    /// The state of fluid and structures together.
+    struct State
+    {
+      typename FluidSolver<dim>::Balance fluid;
+      double kinetic, elastic;
+      dealii::Tensor<1, dim> momentum;
+      dealii::Tensor<1, 3> angular_momentum;
+    };
+
+    State state() const;
+
+    void sum_up(unsigned int step, double dt, const Report &report, double total);
+
+    /// The columns of structure @p s.
+    void add_structure(Ledger::Row &row, unsigned int s, const Report &report) const;
+
+    Components<dim> &components;
+    std::map<std::string, double> seconds_at_last_row;
+  };
+} // namespace feib
+
+#endif

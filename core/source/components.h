@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_components_h
+#define feib_components_h
+
+#include "step_control.h"
+
+#include <feib/output_writer.h>
+#include <feib/refinement_strategy.h>
+#include <feib/time_integrator.h>
+
+#include <deal.II/base/function.h>
+
+#include <memory>
+
+namespace feib
+{
+  /// What a case names, built and put together.
+  template <int dim>
+  struct Components
+  {
+    /// Builds all and checks what a schema cannot. Throws Error with all issues. Collective.
+    explicit Components(const Parameters &parameters);
+
+    typename TimeIntegrator<dim>::System
+    system()
+    {
+      return {*space, *fluid, structures, timers};
+    }
+
+    std::unique_ptr<EulerianSpace<dim>> space;
+    std::unique_ptr<FluidSolver<dim>> fluid;
+    std::vector<ImmersedStructure<dim>> structures;
+    std::vector<Positions<dim>> initial_positions; // of each structure
+    std::unique_ptr<TimeIntegrator<dim>> integrator;
+    std::string integrator_name;
+    std::unique_ptr<RefinementStrategy<dim>> refinement;
+    std::vector<std::unique_ptr<OutputWriter<dim>>> writers;
+    std::unique_ptr<dealii::Function<dim>> exact_velocity, exact_pressure; // null when not given
+    std::unique_ptr<StepControl> control;
+    Timers timers;
+
+  private:
+    void build_time(const Parameters &parameters, Issues &issues);
+    void build_structures(const Parameters &parameters, Issues &issues);
+    void build_outputs(const Parameters &parameters, Issues &issues);
+  };
+} // namespace feib
+
+#endif

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "summary.h"
+
+#include "error_norms.h"
+#include "structure_summary.h"
+
+#include <feib/version.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace feib
+{
+  namespace
+  {
+    template <int dim>
+    Json
+    energy_summary(const Accounts<dim> &accounts)
+    {
+      const auto finite    = [](const double value) { return std::isfinite(value) ? value : 0.; };
+      const Ledger &ledger = accounts.ledger;
+      const auto &totals   = accounts.totals;
+      return {{"kinetic", ledger.last("kinetic")},
+              {"elastic", ledger.last("elastic")},
+              {"dissipated", ledger.last("dissipated")},
+              {"numerical", ledger.last("numerical")},
+              {"largest_closure", totals.largest_closure},
+              {"total_initial", ledger.value("total_energy", 0)},
+              {"total_final", ledger.last("total_energy")},
+              {"largest_increase", finite(totals.largest_increase)},
+              {"largest_relative_increase", finite(totals.largest_relative_increase)}};
+    }
+
+
+    template <int dim>
+    Json
+    unknowns(const Components<dim> &components)
+    {
+      unsigned int n = 0;
+      for (const ImmersedStructure<dim> &structure : components.structures)
+        n += dim * structure.model->mesh().n_nodes();
+      return {{"velocity", components.space->velocity_handler().n_dofs()},
+              {"pressure", components.space->pressure_handler().n_dofs()},
+              {"structures", n}};
+    }
+  } // namespace
+
+
+  template <int dim>
+  Json
+  summary(const Components<dim> &components, const Accounts<dim> &accounts, const RunRecord &record)
+  {
+    const EulerianSpace<dim> &space = *components.space;
+    const Ledger &ledger            = accounts.ledger;
+    const auto &totals              = accounts.totals;
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    const double memory =
+      dealii::Utilities::MPI::sum(usage.ru_maxrss / 1024., space.communicator());
+
+    std::vector<double> sorted = record.step_seconds;
+    std::sort(sorted.begin(), sorted.end());
+
+    Json result;
+    result["version"]          = version();
+    result["ranks"]            = dealii::Utilities::MPI::n_mpi_processes(space.communicator());
+    result["steps"]            = record.step;
+    result["time"]             = record.time;
+    result["wall_seconds"]     = record.wall_seconds;
+    result["seconds_per_step"] = {{"median", sorted.empty() ? 0. : sorted[sorted.size() / 2]},
+                                  {"max", sorted.empty() ? 0. : sorted.back()}};
+    result["timers"]           = components.timers.seconds();
+    result["peak_memory_mb"]   = memory;
+    result["unknowns"]         = unknowns(components);
+    result["cells"]            = space.triangulation().n_global_active_cells();
+    const double steps         = std::max(1u, record.step);
+    // From a cold start, and with solutions to extrapolate.
+    const auto iterations_of = [&](const unsigned int row) {
+      return row > 0 && row < ledger.n_rows() ? ledger.value("linear_iterations", row) : 0.;
+    };
+    result["iterations"] = {{"linear_first", iterations_of(1)},
+                            {"linear_last", iterations_of(ledger.n_rows() - 1)},
+                            {"linear_mean", totals.linear_iterations / steps},
+                            {"nonlinear_mean", totals.nonlinear_iterations / steps},
+                            {"geometry_mean", totals.geometry_iterations / steps}};
+    result["retries"]    = record.retries;
+    result["remeshes"]   = {{"count", record.remeshes}, {"seconds", record.remesh_seconds}};
+    if (std::isfinite(record.stability_limit))
+      result["stability_limit"] = record.stability_limit;
+    if (record.step > 0)
+      result["dt"] = {{"smallest", totals.smallest_dt}, {"largest", totals.largest_dt}};
+    if (ledger.n_rows() > 0)
+      result["energy"] = energy_summary(accounts);
+    result["structures"] = Json::array();
+    for (unsigned int s = 0; s < components.structures.size(); ++s)
+      result["structures"].push_back(structure_summary(*components.structures[s].model,
+                                                       components.initial_positions[s],
+                                                       totals.leak[s],
+                                                       totals.time_error[s]));
+    if (components.exact_velocity)
+      {
+        const ErrorNorms norms = error_norms(space,
+                                             record.time,
+                                             *components.exact_velocity,
+                                             components.exact_pressure.get());
+        result["errors"] = {{"velocity_l2", norms.velocity_l2}, {"velocity_h1", norms.velocity_h1}};
+        if (components.exact_pressure)
+          result["errors"]["pressure_l2"] = norms.pressure_l2;
+      }
+    return result;
+  }
+
+
+  template Json summary(const Components<2> &, const Accounts<2> &, const RunRecord &);
+  template Json summary(const Components<3> &, const Accounts<3> &, const RunRecord &);
+} // namespace feib
