@@ -164,8 +164,10 @@ namespace feib
                     }
                   along += w_q[c] * u_q[c];
                 }
-              const Value flux = sign * w_q[normal], zero = {};
-              const Value out = flux > zero ? flux : zero;
+              for (unsigned int i = 0; i < n; ++i)
+                w_n += sign * face_phi[f][q][i] * w[normal * n + i];
+              const Value zero = {}, flux = sign * w_q[normal];
+              const Value out = w_n > zero ? flux : zero;
               for (unsigned int c = 0; c < dim; ++c)
                 force[c] = out * u_q[c] - (rotational ? sign * u_q[normal] * w_q[c] : zero);
               if (rotational)
