@@ -588,6 +588,7 @@ namespace feib
           solver.solve({space,
                         operators,
                         rate,
+                        convects,
                         newton ? operators.cfl_rate(space.velocity) * step.dt : cfl,
                         newton ? &space.velocity : nullptr,
                         step.implicit_load},

@@ -38,7 +38,7 @@ namespace feib
         result                 = 0.;
         g                      = 0.;
         equations.operators.subtract_stokes(equations.rate, v, src.block(1), result, g);
-        if (equations.cfl > 0)
+        if (equations.convects)
           equations.add_convection(-1., v, result);
         result.compress(dealii::VectorOperation::add);
         g.compress(dealii::VectorOperation::add);
@@ -158,9 +158,10 @@ namespace feib
   {
     if (wanted != Method::automatic)
       return wanted;
-    // Where the factorisation is cheap, and where multigrid lacks what is in the matrix.
+    // Where the factorisation is cheap and is all there is to do, and where multigrid lacks what is
+    // in the matrix.
     const auto n_cells              = equations.space.triangulation().n_global_active_cells();
-    constexpr unsigned int small    = dim == 2 ? 1100 : 64;
+    const unsigned int small        = equations.convects ? 0 : dim == 2 ? 1100 : 64;
     constexpr unsigned int bearable = dim == 2 ? 20000 : 1000;
     constexpr double large_cfl      = 8;
     const auto &terms               = equations.operators.terms();
@@ -258,7 +259,7 @@ namespace feib
           factor_outdated = factor_with_load = true;
         if (factor_outdated)
           factorize(equations);
-        if (equations.cfl == 0 && !equations.load)
+        if (!equations.convects && !equations.load)
           {
             direct.solve(r, g, du, dp);
             return 1;
@@ -337,7 +338,7 @@ namespace feib
               "factorising the fluid matrix anew, with all there is; the last one served " +
               std::to_string(uses) + " solutions");
             factor_with_load       = equations.load != nullptr;
-            factor_with_convection = equations.cfl > 0;
+            factor_with_convection = equations.convects;
             factorize(equations);
             solution = 0.;
           }

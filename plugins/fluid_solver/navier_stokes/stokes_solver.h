@@ -29,8 +29,9 @@ namespace feib
     {
       const EulerianSpace<dim> &space;
       const FluidOperators<dim> &operators;
-      double rate;                             // 1/dt
-      double cfl                    = 0;       // of the convecting velocity; 0: no convection
+      double rate; // 1/dt
+      bool convects                 = false;
+      double cfl                    = 0;       // of the convecting velocity
       const VelocityVector *newton  = nullptr; // where Newton's method linearises convection, if so
       const ImplicitLoad<dim> *load = nullptr;
 
