@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components.h"
+#include "law_check.h"
 
 #include <feib/expression.h>
 #include <feib/registry.h>
@@ -102,6 +103,7 @@ namespace feib
                 block.fail(block.has("initial_position") ? "initial_position" : "mesh",
                            message.str());
               }
+        check_law(*structure.model, slot);
         initial_positions.push_back(structure.model->positions);
         structures.push_back(std::move(structure));
       });

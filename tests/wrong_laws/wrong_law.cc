@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/constitutive_law.h>
+#include <feib/plugin.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace
+{
+  using feib::Parameters;
+
+  /// W = |F|^2/2 + |C|^2/8 with C = F^T F, P = F + F C/2: right, unless the parameter names a
+  /// fault.
+  template <int structure_dim, int dim>
+  class WrongLaw : public feib::ConstitutiveLaw<structure_dim, dim>
+  {
+  public:
+    using Base          = feib::ConstitutiveLaw<structure_dim, dim>;
+    using Matrix        = typename Base::Matrix;
+    using MaterialPoint = typename Base::MaterialPoint;
+    using Small         = dealii::Tensor<2, structure_dim>;
+
+    explicit WrongLaw(const Parameters &parameters)
+      : fault(parameters.string("fault"))
+    {}
+
+    void
+    set_points(const std::vector<MaterialPoint> &material_points) override
+    {
+      points = material_points;
+    }
+
+    void
+    energy(const std::vector<Matrix> &F, std::vector<double> &W) const override
+    {
+      W.resize(F.size());
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          const double square = trace(C(F[q], F[q]));
+          W[q] =
+            square / 2 + (fault == "energy lacks a term" ? 0. : C(F[q], F[q]).norm_square() / 8);
+          if (fault == "both negative")
+            W[q] *= -1;
+          else if (fault == "no energy")
+            W[q] = 0;
+          else if (fault == "not a number at rest")
+            W[q] += 0 / (std::abs(square - structure_dim) < 1e-9 ? 0. : 1.);
+          else if (fault == "not objective")
+            W[q] = square / 2 - F[q][0][0];
+        }
+    }
+
+    void
+    stress(const std::vector<Matrix> &F, std::vector<Matrix> &P) const override
+    {
+      P.resize(F.size());
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          P[q] = F[q];
+          for (unsigned int i = 0; i < dim; ++i)
+            P[q][i] += F[q][i] * C(F[q], F[q]) / 2;
+          if (fault == "sign" || fault == "both negative")
+            P[q] *= -1.;
+          else if (fault == "twice")
+            P[q] *= 2.;
+          else if (fault == "somewhere" && points[q].place[0] > .5)
+            P[q] *= 1.1;
+          else if (fault == "transposed")
+            for (unsigned int i = 0; i < structure_dim; ++i)
+              for (unsigned int k = 0; k < i; ++k)
+                std::swap(P[q][i][k], P[q][k][i]);
+          else if (fault == "other order")
+            std::swap(P[q][0], P[q][1]);
+          else if (fault == "constant")
+            {
+              P[q] = Matrix();
+              for (unsigned int i = 0; i < structure_dim; ++i)
+                P[q][i][i] = 1;
+            }
+          else if (fault == "infinite")
+            P[q] *= std::numeric_limits<double>::infinity();
+          else if (fault == "not objective")
+            {
+              P[q] = F[q];
+              P[q][0][0] -= 1;
+            }
+        }
+    }
+
+    void
+    stress_derivative(const std::vector<Matrix> &F,
+                      const std::vector<Matrix> &dF,
+                      std::vector<Matrix> &dP) const override
+    {
+      dP = dF;
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          if (fault == "not objective")
+            continue;
+          if (fault != "derivative lacks a term")
+            for (unsigned int i = 0; i < dim; ++i)
+              dP[q][i] +=
+                (dF[q][i] * C(F[q], F[q]) + F[q][i] * (C(dF[q], F[q]) + C(F[q], dF[q]))) / 2;
+          if (fault == "both negative")
+            dP[q] *= -1.;
+          else if (fault == "half the derivative")
+            dP[q] *= .5;
+          else if (fault == "no derivative")
+            dP[q] = Matrix();
+          else if (fault == "derivative not a number")
+            dP[q] *= std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+
+    bool
+    linear() const override
+    {
+      return fault == "not linear";
+    }
+
+  private:
+    static Small
+    C(const Matrix &A, const Matrix &B)
+    {
+      Small result;
+      for (unsigned int i = 0; i < dim; ++i)
+        result += outer_product(A[i], B[i]);
+      return result;
+    }
+
+    const std::string fault;
+    std::vector<MaterialPoint> points;
+  };
+
+  const char *const schema = R"({
+    "type": "object", "additionalProperties": false, "description": "A law with a fault.",
+    "required": ["fault"],
+    "properties": { "fault": { "type": "string", "description": "What is wrong." } },
+    "examples": [ { "fault": "none" } ] })";
+} // namespace
+
+FEIB_PLUGIN("wrong_law", "1.0", registry)
+{
+  registry.add<feib::ConstitutiveLaw, WrongLaw>("wrong_law", schema);
+}
