@@ -171,9 +171,11 @@ namespace feib
                                          structure.model->mesh(),
                                          structure.model->positions,
                                          structure.nodes);
-          structure.motion->interpolate(*parts.space,
-                                        parts.space->velocity,
-                                        structure.model->velocities);
+          // Excess mass has a velocity of its own.
+          if (structure.model->excess_mass().empty())
+            structure.motion->interpolate(*parts.space,
+                                          parts.space->velocity,
+                                          structure.model->velocities);
         }
       for (const ImmersedStructure<dim> &structure : parts.structures)
         energy_unit += 1e-6 * structure.model->stiffness(structure.model->positions) *

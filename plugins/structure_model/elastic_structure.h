@@ -99,6 +99,9 @@ namespace feib
 
     Positions<dim> initial_positions(const Parameters &parameters) const;
 
+    /// At rest when not given.
+    NodalField<dim> initial_velocities(const Parameters &parameters) const;
+
     void set_materials(const Parameters &parameters);
 
     /// Gives the law its points. What it throws on one rank is thrown on all.
@@ -187,8 +190,8 @@ namespace feib
           for (unsigned int k = 0; k <= m; ++k)
             node_masses[element.nodes[k]] += excess * element.measure / (m + 1);
       }
-    this->velocities.resize(reference_mesh.n_nodes());
-    this->positions = initial_positions(parameters);
+    this->velocities = initial_velocities(parameters);
+    this->positions  = initial_positions(parameters);
     if (const auto inverted = find_inverted(gradients(this->positions)))
       {
         const dealii::Point<dim> &s = reference_mesh.elements()[inverted->element].centroid;
@@ -299,6 +302,30 @@ namespace feib
                                 ", but their positions are " + std::to_string(gap) + " apart");
           }
     return X;
+  }
+
+  template <int structure_dim, int dim>
+  NodalField<dim>
+  ElasticStructure<structure_dim, dim>::initial_velocities(const Parameters &parameters) const
+  {
+    NodalField<dim> V(reference_mesh.n_nodes());
+    if (!parameters.has("initial_velocity"))
+      return V;
+    if (node_masses.empty())
+      parameters.fail(
+        "initial_velocity",
+        "needs an excess_density greater than 0: without one the structure moves with "
+        "the fluid, whose initial_velocity it has");
+    const auto V0 =
+      parse_expressions<dim>(parameters, "initial_velocity", dim, Variables::reference);
+    for (unsigned int i = 0; i < V.size(); ++i)
+      {
+        for (unsigned int a = 0; a < dim; ++a)
+          V[i][a] = V0->value(reference_mesh.nodes()[i], a);
+        if (!std::isfinite(V[i].norm()))
+          parameters.fail("initial_velocity", "is not finite at node " + std::to_string(i));
+      }
+    return V;
   }
 
   template <int structure_dim, int dim>

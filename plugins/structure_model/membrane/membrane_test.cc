@@ -179,6 +179,23 @@ TEST(Membrane, ExcessMassIsDensityTimesReferenceMeasure)
   EXPECT_TRUE(make_model<2>(component, curve(40), linear, circle)->excess_mass().empty());
 }
 
+/// Excess mass starts at rest or as it is told; without it there is nothing to tell.
+TEST(Membrane, ExcessMassHasAVelocityOfItsOwn)
+{
+  const std::string velocity = ", \"initial_velocity\": [\"2*s1\", -1]";
+  const auto still =
+    make_model<2>(component, curve(40), linear, circle + ", \"excess_density\": 3");
+  const auto moving =
+    make_model<2>(component, curve(40), linear, circle + ", \"excess_density\": 3" + velocity);
+  for (unsigned int i = 0; i < 40; ++i)
+    {
+      EXPECT_EQ(still->velocities[i].norm(), 0);
+      EXPECT_NEAR(moving->velocities[i][0], 2 * moving->mesh().nodes()[i][0], 1e-14);
+      EXPECT_EQ(moving->velocities[i][1], -1);
+    }
+  EXPECT_THROW(make_model<2>(component, curve(40), linear, circle + velocity), Error);
+}
+
 TEST(Membrane, Meshes)
 {
   const LagrangianMesh<2> closed = make_model<2>(component, curve(12), linear, circle)->mesh();
