@@ -113,7 +113,7 @@ TEST(Docs, LinkedFilesExist)
 TEST(Docs, ReadmeLinksEveryPage)
 {
   const std::string readme = read_file(source / "README.md");
-  unsigned int n = 0;
+  unsigned int n           = 0;
   for (const auto &entry : fs::directory_iterator(source / "docs"))
     if (entry.path().extension() == ".md")
       {
