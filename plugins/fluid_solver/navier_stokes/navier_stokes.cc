@@ -162,8 +162,10 @@ namespace feib
     void check_net_flux(const Space &space, const PressureVector &divergence, double scale) const;
 
     /// Why a step is given up.
-    std::string
-    not_converged(const Space &space, const Step &step, const std::string &history) const;
+    std::string not_converged(const Space &space,
+                              const Step &step,
+                              unsigned int iterations,
+                              const std::string &history) const;
 
     /// Puts the powers of the step that led to the state of the space into the report.
     void account(const Space &space, const Residual &residual, Report &report) const;
@@ -493,15 +495,16 @@ namespace feib
   std::string
   NavierStokes<dim>::not_converged(const Space &space,
                                    const Step &step,
+                                   const unsigned int iterations,
                                    const std::string &history) const
   {
     std::ostringstream text;
     text << std::setprecision(3) << "the fluid step to time " << step.time
-         << " did not reach its tolerance";
+         << " did not reach its tolerance in " << iterations
+         << " iterations; relative residuals of momentum (and divergence): " << history;
     if (convects)
-      text << ", with convection at a CFL number of "
-           << operators.cfl_rate(space.old_velocity) * step.dt << " before it";
-    text << "; relative residuals of momentum (and divergence): " << history;
+      text << "; convection had a CFL number of "
+           << operators.cfl_rate(space.old_velocity) * step.dt;
     return text.str();
   }
 
@@ -570,7 +573,7 @@ namespace feib
           break;
         constexpr double hopeless = 1e4; // times the forces
         if (report.nonlinear_iterations >= max_iterations || norms.momentum > hopeless * scale)
-          throw RunFailure(not_converged(space, step, history.str()));
+          throw RunFailure(not_converged(space, step, report.nonlinear_iterations, history.str()));
 
         // A linear problem is solved at once; Newton's method converges quadratically while each
         // linear residual is the square of the nonlinear one.

@@ -759,10 +759,11 @@ TEST(NavierStokes, OutflowPutsNoTractionOnTheFluid)
                                        "{\"x_min\": {\"velocity\": {\"value\": "
                                        "[\"4*y*(1-y)\", 0]}}, \"x_max\": {\"outflow\": {}}}}");
         feib::testing::refine_where(*space, [](const auto &x) { return x[1] > .6; });
-        const auto solver = make_solver<2>("{\"density\": 1, \"viscosity\": 0.05, \"tolerance\": 1e-9, "
-                                           "\"viscous_form\": \"laplacian\", \"convection\": \"" +
-                                           convection + "\", \"convective_form\": \"" + form +
-                                           "\", \"initial_velocity\": [\"4*y*(1-y)\", 0]}");
+        const auto solver =
+          make_solver<2>("{\"density\": 1, \"viscosity\": 0.05, \"tolerance\": 1e-9, "
+                         "\"viscous_form\": \"laplacian\", \"convection\": \"" +
+                         convection + "\", \"convective_form\": \"" + form +
+                         "\", \"initial_velocity\": [\"4*y*(1-y)\", 0]}");
         solver->initialize(*space);
         space->old_velocity = space->older_velocity = space->velocity;
         const VelocityVector exact                  = space->velocity;
