@@ -118,3 +118,31 @@ TEST(TaylorGreen, WithoutStructuresTheSchemesOfEachOrderAreOne)
     EXPECT_EQ(errors({8, .05, "lagged_midpoint"})[0], midpoint[0]);
   }
 }
+
+TEST(TaylorGreen, AMeshTooCoarseForTheFlowIsSaid)
+{
+  // A stream with vortices of two cells and a cell Reynolds number of 1e4: the energy falls as it
+  // should while the momentum of a periodic box is lost.
+  for (const std::string viscosity : {"0.01", "1e-5"})
+    {
+      const TemporaryFolder folder;
+      const RunResult result = run_host(
+        shell_quoted(FEIB_SOURCE "/cases/taylor_green/case.json") + " --output " +
+        shell_quoted(folder / "results") +
+        " --set /output=[] --set /domain/cells=[8,8] --set /constants/U=1 --set /constants/V=0.5"
+        " --set /constants/nu=" +
+        viscosity + " --set /fluid/navier_stokes/viscosity=" + viscosity +
+        " --set /time/step=0.025 --set /time/end=3");
+      ASSERT_EQ(result.exit_code, 0) << result.output;
+      const Json summary = read_json(folder / "results/summary.json");
+      if (viscosity == "0.01")
+        EXPECT_EQ(summary["status"], "completed") << result.output;
+      else
+        {
+          EXPECT_EQ(summary["status"], "completed_with_warnings") << result.output;
+          ASSERT_EQ(summary["warnings"].size(), 1u);
+          EXPECT_EQ(summary["warnings"][0]["kind"], "momentum");
+          EXPECT_GT(double(summary["warnings"][0]["worst"]), .1);
+        }
+    }
+}
