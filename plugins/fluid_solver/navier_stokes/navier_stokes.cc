@@ -558,7 +558,7 @@ namespace feib
     const double scale =
       std::max({condensed.l2_norm(), present.implicit_load, present.norms.momentum});
     // What is left of the divergence moves what structures enclose, and costs little to lower.
-    constexpr double tighter = 4;
+    const double tighter = convects ? 4 : 1;
     std::ostringstream history;
     history << std::setprecision(2);
     while (true)
@@ -581,7 +581,7 @@ namespace feib
         // A linear problem is solved at once; Newton's method converges quadratically while each
         // linear residual is the square of the nonlinear one.
         const double target =
-          std::max(.1 * tolerance * scale,
+          std::max((linear ? .3 : .1) * tolerance * scale,
                    (linear ? 1e-13 : std::min(1e-4, .02 * norms.momentum / scale)) *
                      norms.momentum);
         VelocityVector du = space.make_velocity();
