@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace feib
 {
@@ -46,9 +47,9 @@ namespace feib
       }
 
       void
-      skip(const unsigned int n)
+      skip(const std::size_t n)
       {
-        for (unsigned int i = 0; i < n; ++i)
+        for (std::size_t i = 0; i < n; ++i)
           get<std::string>();
       }
 
@@ -75,13 +76,18 @@ namespace feib
               fail("does not begin with $MeshFormat");
             else if (section == "$Entities")
               read_entities();
+            else if (section == "$PartitionedEntities")
+              read_partitioned_entities();
             else if (section == "$Nodes")
               version == 2.2 ? read_nodes_2() : read_nodes_4();
             else if (section == "$Elements")
               version == 2.2 ? read_elements_2() : read_elements_4();
 
             const std::string end = "$End" + section.substr(1);
-            for (std::string word; word != end;)
+            std::string word      = get<std::string>();
+            if ((section == "$Nodes" || section == "$Elements") && word != end)
+              fail("holds more in " + section + " than its count says");
+            while (word != end)
               word = get<std::string>();
           }
         if (version == 0)
@@ -91,6 +97,23 @@ namespace feib
       void
       read_entities()
       {
+        read_entities_by_dimension(false);
+      }
+
+      /// Elements of a partitioned file belong to parts of entities, which have the groups.
+      void
+      read_partitioned_entities()
+      {
+        skip(1);
+        const std::size_t n_ghosts = get<std::size_t>();
+        for (std::size_t i = 0; i < n_ghosts; ++i)
+          skip(2);
+        read_entities_by_dimension(true);
+      }
+
+      void
+      read_entities_by_dimension(const bool partitioned)
+      {
         std::array<std::size_t, 4> n;
         for (std::size_t &n_of_dimension : n)
           n_of_dimension = get<std::size_t>();
@@ -98,6 +121,11 @@ namespace feib
           for (std::size_t i = 0; i < n[dimension]; ++i)
             {
               const int tag = get<int>();
+              if (partitioned)
+                {
+                  skip(2); // dimension and tag of the whole
+                  skip(get<std::size_t>());
+                }
               skip(dimension == 0 ? 3 : 6);
               const std::size_t n_groups = get<std::size_t>();
               for (std::size_t g = 0; g < n_groups; ++g)
@@ -117,7 +145,8 @@ namespace feib
         std::array<double, 3> x;
         for (double &coordinate : x)
           coordinate = get<double>();
-        number[tag] = result.nodes.size();
+        if (!number.try_emplace(tag, result.nodes.size()).second)
+          fail("has node " + std::to_string(tag) + " twice");
         result.nodes.push_back(x);
       }
 
@@ -139,9 +168,10 @@ namespace feib
             const unsigned int dimension = get<unsigned int>();
             skip(1);
             const bool parametric = get<int>() != 0;
-            std::vector<std::size_t> tags(get<std::size_t>());
-            for (std::size_t &tag : tags)
-              tag = get<std::size_t>();
+            // The count is not believed: memory grows with what is read.
+            std::vector<std::size_t> tags;
+            for (std::size_t n = get<std::size_t>(); n > 0; --n)
+              tags.push_back(get<std::size_t>());
             for (const std::size_t tag : tags)
               {
                 add_node(tag);
@@ -149,6 +179,14 @@ namespace feib
                   skip(dimension);
               }
           }
+      }
+
+      void
+      add_element_number()
+      {
+        const std::size_t tag = get<std::size_t>();
+        if (!elements.insert(tag).second)
+          fail("has element " + std::to_string(tag) + " twice");
       }
 
       /// Takes the rest of the line: the nodes of an element.
@@ -200,7 +238,7 @@ namespace feib
         const std::size_t n = get<std::size_t>();
         for (std::size_t i = 0; i < n; ++i)
           {
-            skip(1);
+            add_element_number();
             const int type            = get<int>();
             const unsigned int n_tags = get<unsigned int>();
             unsigned int material_id  = 0;
@@ -229,7 +267,7 @@ namespace feib
             const unsigned int material_id = group == physical_group.end() ? 0 : group->second;
             for (std::size_t i = 0; i < n; ++i)
               {
-                skip(1);
+                add_element_number();
                 add_element(type, material_id);
               }
           }
@@ -241,6 +279,7 @@ namespace feib
       std::string section;
       std::map<std::pair<unsigned int, int>, int> physical_group; // of an entity (4.1)
       std::unordered_map<std::size_t, unsigned int> number;       // of a node by its tag
+      std::unordered_set<std::size_t> elements;                   // their numbers
     };
   } // namespace
 

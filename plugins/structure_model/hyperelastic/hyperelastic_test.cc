@@ -437,6 +437,17 @@ TEST(Hyperelastic, GmshFileOfFormat41)
   EXPECT_EQ(mesh.elements()[0].material_id, 8u);
 }
 
+// The elements of a partitioned file belong to parts of entities, which have the groups.
+TEST(Hyperelastic, GmshFileOfFormat41Partitioned)
+{
+  const TemporaryFile file(replace(replace(tetrahedron_4_1, "3 3 4 1", "3 7 4 1"),
+                                   "$EndEntities\n",
+                                   "$EndEntities\n$PartitionedEntities\n2\n0\n0 0 0 1\n"
+                                   "7 3 3 1 2 0 0 0 1 1 1 1 8 0\n$EndPartitionedEntities\n"));
+  const LagrangianMesh<3> mesh = make_model<3>(component, gmsh(file), neo_hookean)->mesh();
+  EXPECT_EQ(mesh.elements()[0].material_id, 8u);
+}
+
 // --- what a user may get wrong
 
 TEST(Hyperelastic, SaysWhatIsWrongWithAGmshFile)
@@ -466,6 +477,14 @@ TEST(Hyperelastic, SaysWhatIsWrongWithAGmshFile)
     contains(error_2d(replace(square_2_2, "1 4 7", "1 4 8")), "a node that does not exist"));
   EXPECT_TRUE(
     contains(error_2d(square_2_2.substr(0, 120)), "ends, or is not readable, inside $Nodes"));
+  EXPECT_TRUE(
+    contains(error_2d(replace(tetrahedron_4_1, "2 1 0 3", "2 1 0 99999999999999999")), "$Nodes"));
+  EXPECT_TRUE(contains(error_2d(replace(square_2_2, "4 0 1 0", "1 0 1 0")), "has node 1 twice"));
+  for (const char *const count : {"3\n1 15", "5\n1 15", "99999999999\n1 15", "-1\n1 15"})
+    EXPECT_TRUE(contains(error_2d(replace(square_2_2, "4\n1 15", count)), "$Elements")) << count;
+  EXPECT_TRUE(contains(error_2d(replace(square_2_2, "5\n1 0 0 0", "4\n1 0 0 0")),
+                       "holds more in $Nodes than its count says"));
+  EXPECT_TRUE(contains(error_2d(replace(square_2_2, "4 2 2 6", "3 2 2 6")), "has element 3 twice"));
   EXPECT_TRUE(contains(error_2d("hello"), "has \"hello\" where a section was expected"));
   EXPECT_TRUE(contains(error_2d(""), "is empty"));
 }
