@@ -66,6 +66,7 @@ namespace feib
     totals.dissipated += report.dissipated;
     totals.convected += report.convected;
     totals.numerical += report.numerical;
+    totals.unexplained += report.unexplained;
     totals.boundary_work += report.boundary_work;
     totals.body_work += report.body_work;
     totals.linear_iterations += report.linear_iterations;
@@ -104,7 +105,28 @@ namespace feib
 
 
   template <int dim>
-  void
+  double
+  Accounts<dim>::put_in() const
+  {
+    return (ledger.n_rows() > 0 ? std::abs(ledger.value("total_energy", 0)) : 0.) +
+           std::abs(totals.boundary_work) + std::abs(totals.body_work);
+  }
+
+
+  template <int dim>
+  std::pair<double, std::string>
+  Accounts<dim>::smallest_limit() const
+  {
+    std::pair<double, std::string> result{std::numeric_limits<double>::infinity(), ""};
+    for (const std::string &column : ledger.columns())
+      if (column.rfind("dt_limit_", 0) == 0 && ledger.last(column) < result.first)
+        result = {ledger.last(column), column};
+    return result;
+  }
+
+
+  template <int dim>
+  Ledger::Row
   Accounts<dim>::add(const unsigned int step,
                      const double time,
                      const double dt,
@@ -129,8 +151,8 @@ namespace feib
       sum_up(step, dt, report, total);
       const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
       const double closure = total - initial + totals.dissipated + totals.convected +
-                             totals.numerical - totals.boundary_work - totals.body_work -
-                             totals.remeshing;
+                             totals.numerical + totals.unexplained - totals.boundary_work -
+                             totals.body_work - totals.remeshing;
       totals.largest_closure = std::max(totals.largest_closure, std::abs(closure));
 
       row = {{"step", double(step)},
@@ -141,6 +163,7 @@ namespace feib
              {"dissipated", totals.dissipated},
              {"convected", totals.convected},
              {"numerical", totals.numerical},
+             {"unexplained", totals.unexplained},
              {"boundary_work", totals.boundary_work},
              {"body_work", totals.body_work},
              {"remeshing", totals.remeshing},
@@ -176,7 +199,7 @@ namespace feib
     for (const auto &[name, value] : row)
       if (!std::isfinite(value))
         throw RunFailure("the ledger's " + name + " is not finite at time " + std::to_string(time));
-    ledger.add(row);
+    return row;
   }
 
 
