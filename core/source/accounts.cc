@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "accounts.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace feib
@@ -106,21 +107,12 @@ namespace feib
 
   template <int dim>
   double
-  Accounts<dim>::put_in() const
-  {
-    return (ledger.n_rows() > 0 ? std::abs(ledger.value("total_energy", 0)) : 0.) +
-           std::abs(totals.boundary_work) + std::abs(totals.body_work);
-  }
-
-
-  template <int dim>
-  std::pair<double, std::string>
   Accounts<dim>::smallest_limit() const
   {
-    std::pair<double, std::string> result{std::numeric_limits<double>::infinity(), ""};
+    double result = std::numeric_limits<double>::infinity();
     for (const std::string &column : ledger.columns())
-      if (column.rfind("dt_limit_", 0) == 0 && ledger.last(column) < result.first)
-        result = {ledger.last(column), column};
+      if (column.rfind("dt_limit_", 0) == 0)
+        result = std::min(result, ledger.last(column));
     return result;
   }
 

@@ -49,12 +49,8 @@ namespace feib
     /// The kinetic energy changed by moving to another mesh.
     void add_remeshing(double gained);
 
-    /// The energy the run started with and all work done since, without sign.
-    double put_in() const;
-
-    /// The smallest limit of the step at the present state, with the name of its column; infinite
-    /// without limits.
-    std::pair<double, std::string> smallest_limit() const;
+    /// The smallest limit of the step at the present state; infinite without limits.
+    double smallest_limit() const;
 
   private:
     /// The state of fluid and structures together.

@@ -19,7 +19,6 @@ namespace feib
     struct Totals
     {
       double growth = 0; // energy from nowhere beyond what was dissipated, since it last vanished
-      double convected = 0;                          // work of convection, gained by the fluid
       std::vector<double> unexplained, elastic_work; // of each structure
     };
     Totals totals;
@@ -28,19 +27,11 @@ namespace feib
     /// At the initial state. @p allowed: growth relative to the energy there is.
     EnergyCheck(const Components<dim> &components, double allowed);
 
-    /// The fluid's and structures' energies before and after a step of length dt; @p put_in: the
-    /// energy the run started with and all work done since, without sign. Throws RunFailure.
-    void judge(double before, double after, double put_in, const Report &report, double time);
+    /// The fluid's and structures' energies before and after a step. Throws RunFailure.
+    void judge(double before, double after, const Report &report);
 
     /// The structure with the largest part of unexplained energy, and that part; -1 without.
     std::pair<double, std::string> unexplained() const;
-
-    /// The work convection did on the fluid in an enclosed box, where it should do none.
-    double
-    convected() const
-    {
-      return totals.convected;
-    }
 
   private:
     void judge_structure(unsigned int s, double scale, const Report &report);
@@ -50,7 +41,6 @@ namespace feib
 
     const Components<dim> &components;
     const double allowed;
-    bool enclosed;
     double unit = 0;                               // energy below which growth means nothing
     std::vector<double> initial_energy, stiffness; // of each structure, energies
   };

@@ -158,7 +158,7 @@ namespace feib
           verdict.warn(kind, time, value, text.str());
           text.str("");
         };
-        if (shapes.longest > h * (1 + 1e-6))
+        if (shapes.longest > 1.5 * h)
           {
             text << "element " << shapes.longest_element << " of " << name << " is "
                  << shapes.longest << " long, the smallest cells of the fluid are " << h
@@ -181,10 +181,11 @@ namespace feib
         const double distance = distance_to_walls(components.space->domain(),
                                                   model.positions,
                                                   components.initial_positions[s]);
-        if (distance < h)
+        if (distance < .5 * h)
           {
-            text << name << " is " << distance << " from a wall, less than a cell of the fluid, "
-                 << h << ": the flow between them is not resolved";
+            text << name << " is " << distance
+                 << " from a wall, less than half a cell of the fluid, " << h
+                 << ": the flow between them is not resolved";
             warn("near_wall", h / std::max(distance, 1e-300));
           }
       }
