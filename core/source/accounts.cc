@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "accounts.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace feib
@@ -66,6 +67,7 @@ namespace feib
     totals.dissipated += report.dissipated;
     totals.convected += report.convected;
     totals.numerical += report.numerical;
+    totals.unexplained += report.unexplained;
     totals.boundary_work += report.boundary_work;
     totals.body_work += report.body_work;
     totals.linear_iterations += report.linear_iterations;
@@ -104,7 +106,19 @@ namespace feib
 
 
   template <int dim>
-  void
+  double
+  Accounts<dim>::smallest_limit() const
+  {
+    double result = std::numeric_limits<double>::infinity();
+    for (const std::string &column : ledger.columns())
+      if (column.rfind("dt_limit_", 0) == 0)
+        result = std::min(result, ledger.last(column));
+    return result;
+  }
+
+
+  template <int dim>
+  Ledger::Row
   Accounts<dim>::add(const unsigned int step,
                      const double time,
                      const double dt,
@@ -129,8 +143,8 @@ namespace feib
       sum_up(step, dt, report, total);
       const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
       const double closure = total - initial + totals.dissipated + totals.convected +
-                             totals.numerical - totals.boundary_work - totals.body_work -
-                             totals.remeshing;
+                             totals.numerical + totals.unexplained - totals.boundary_work -
+                             totals.body_work - totals.remeshing;
       totals.largest_closure = std::max(totals.largest_closure, std::abs(closure));
 
       row = {{"step", double(step)},
@@ -141,6 +155,7 @@ namespace feib
              {"dissipated", totals.dissipated},
              {"convected", totals.convected},
              {"numerical", totals.numerical},
+             {"unexplained", totals.unexplained},
              {"boundary_work", totals.boundary_work},
              {"body_work", totals.body_work},
              {"remeshing", totals.remeshing},
@@ -176,7 +191,7 @@ namespace feib
     for (const auto &[name, value] : row)
       if (!std::isfinite(value))
         throw RunFailure("the ledger's " + name + " is not finite at time " + std::to_string(time));
-    ledger.add(row);
+    return row;
   }
 
 

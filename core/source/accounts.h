@@ -21,7 +21,8 @@ namespace feib
     /// Sums over time: a part of the state, to be undone with a step.
     struct Totals
     {
-      double dissipated = 0, convected = 0, numerical = 0, boundary_work = 0, body_work = 0;
+      double dissipated = 0, convected = 0, numerical = 0, unexplained = 0;
+      double boundary_work = 0, body_work = 0;
       double energy            = 0; // now, on the mesh the next step is taken on
       double remeshing         = 0; // kinetic energy gained by moving u to another mesh
       double linear_iterations = 0, nonlinear_iterations = 0, geometry_iterations = 0;
@@ -36,16 +37,20 @@ namespace feib
     Totals totals;
     Ledger ledger;
 
-    /// Adds row @p step, of the state the components hold. @p before: the positions before the
-    /// step. Throws RunFailure when a value is not finite. Collective.
-    void add(unsigned int step,
-             double time,
-             double dt,
-             const Report &report,
-             const std::vector<Positions<dim>> &before);
+    /// Adds a step to the totals and gives its row for the ledger, of the state the components
+    /// hold. @p before: the positions before the step. Throws RunFailure when a value is not
+    /// finite. Collective.
+    Ledger::Row add(unsigned int step,
+                    double time,
+                    double dt,
+                    const Report &report,
+                    const std::vector<Positions<dim>> &before);
 
     /// The kinetic energy changed by moving to another mesh.
     void add_remeshing(double gained);
+
+    /// The smallest limit of the step at the present state; infinite without limits.
+    double smallest_limit() const;
 
   private:
     /// The state of fluid and structures together.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "energy_check.h"
+#include "structure_checks.h"
 #include "summary.h"
 #include "verdict.h"
 
+#include <feib/failure.h>
 #include <feib/log.h>
 #include <feib/simulation.h>
 
@@ -23,6 +26,15 @@ namespace feib
     seconds_since(const Clock::time_point start)
     {
       return std::chrono::duration<double>(Clock::now() - start).count();
+    }
+
+
+    /// To two digits.
+    double
+    rounded_down(const double value)
+    {
+      const double digit = std::pow(10., std::floor(std::log10(value)) - 1);
+      return std::floor(value / digit * (1 + 1e-12)) * digit;
     }
 
 
@@ -62,8 +74,14 @@ namespace feib
 
       void check_state() const;
 
-      /// Throws RunFailure when the energy grows though no work is done.
-      void check_energy();
+      /// Warns of a step to be taken that exceeds a limit.
+      void check_limits(double dt);
+
+      /// Warns of what is doubtful in the state reached.
+      void check_result();
+
+      /// What a failure with steps up to @p dt from the present state comes from.
+      std::string cause(double dt);
 
       /// Warns of momentum that changes though nothing in a periodic box can change it.
       void check_momentum();
@@ -72,21 +90,28 @@ namespace feib
 
       void write_outputs(const std::string &directory, bool always);
 
-      /// The end of a run that did not get to its end: the last good state, summary, log. Throws
-      /// RunFailure when these cannot be written.
+      /// The end of a run that did not get to its end: the last good state, summary, log, as far
+      /// as they can be written.
       void give_up(const std::string &directory, Verdict::End how, const std::string &why);
 
       void
       write_summary(const std::string &directory, Verdict::End how, const std::string &message);
 
+      /// What one rank alone can write.
+      void write_lone_summary(const std::string &directory, const std::string &message) const;
+
       Components<dim> parts;
       Accounts<dim> accounts;
       Verdict verdict;
       RunRecord record;
-      double end_time = 0, energy_growth = 0;
-      double energy_unit        = 0; // below which energy is round-off
+      double end_time = 0, energy_growth = 0, measure_tolerance = 0;
+      std::unique_ptr<EnergyCheck<dim>> energy_check; // from the initial state on
+      std::vector<double> initial_measures;           // of each structure
       double displacement_error = -1;
-      std::vector<int> last_written; // per writer, the step
+      bool inaccurate           = false; // whether the last step failed for accuracy alone
+      unsigned int failures     = 0;     // steps that failed for another reason
+      unsigned int growths      = 0;     // of these, because the energy grew
+      std::vector<int> last_written;     // per writer, the step
       Clock::time_point start;
     };
 
@@ -97,6 +122,7 @@ namespace feib
       , accounts(parts)
       , end_time(parameters.child("time").number("end"))
       , energy_growth(parameters.child("time").number("energy_growth"))
+      , measure_tolerance(parameters.child("time").number("measure_tolerance"))
     {}
 
 
@@ -180,9 +206,9 @@ namespace feib
                                           parts.space->velocity,
                                           structure.model->velocities);
         }
+      energy_check = std::make_unique<EnergyCheck<dim>>(parts, energy_growth);
       for (const ImmersedStructure<dim> &structure : parts.structures)
-        energy_unit += 1e-6 * structure.model->stiffness(structure.model->positions) *
-                       structure.model->measure(structure.model->positions);
+        initial_measures.push_back(structure.model->measure(structure.model->positions));
 
       std::ostringstream message;
       message << parts.space->triangulation().n_global_active_cells() << " cells, "
@@ -193,12 +219,11 @@ namespace feib
                 << "\": " << structure.model->mesh().n_nodes() << " nodes, "
                 << structure.model->mesh().n_elements() << " elements";
       log::info(message.str());
-      accounts.add(0, 0., 0., {}, {});
-
-      const double dt        = parts.control->start(control_state());
+      accounts.ledger.add(accounts.add(0, 0., 0., {}, {}));
+      parts.control->start(control_state());
       record.stability_limit = parts.integrator->stability_limit(parts.system()).dt;
-      if (dt > record.stability_limit)
-        verdict.warn("step_limit", 0., dt / record.stability_limit, stability_sentence(dt));
+      check_structures(parts, 0., verdict);
+      check_overlap(parts, 0., verdict);
     }
 
 
@@ -224,11 +249,9 @@ namespace feib
       text << std::setprecision(2) << "dt = " << dt;
       if (dt > limit.dt)
         {
-          // Rounded down.
-          const double digit = std::pow(10., std::floor(std::log10(limit.dt)) - 1);
           text << " exceeds the estimated limit " << limit.dt << " of " << parts.integrator_name
                << " for structure \"" << limit.structure << "\"; use " << limit.alternative
-               << " or dt <= " << std::floor(limit.dt / digit) * digit;
+               << " or dt <= " << rounded_down(limit.dt);
         }
       else if (std::isfinite(limit.dt))
         text << " is below the estimated limit " << limit.dt << " of " << parts.integrator_name
@@ -236,30 +259,59 @@ namespace feib
              << limit.alternative << " or a smaller dt";
       else
         text << " is too large for " << parts.integrator_name
-             << ", which has no limit by itself; use implicit convection or a smaller dt";
+             << ", which has no limit by itself; use a smaller dt";
       return text.str();
     }
 
 
     template <int dim>
     void
-    SimulationInDimension<dim>::check_energy()
+    SimulationInDimension<dim>::check_limits(const double dt)
     {
-      // What was lost to viscosity, through open faces and to the scheme is energy from nowhere
-      // when it is negative.
-      const double gained =
-        -(accounts.totals.dissipated + accounts.totals.numerical + accounts.totals.convected);
-      const double scale =
-        std::max(std::abs(accounts.ledger.value("total_energy", 0)) +
-                   std::abs(accounts.totals.boundary_work) + std::abs(accounts.totals.body_work),
-                 energy_unit);
-      if (gained > energy_growth * scale)
+      const double limit = accounts.smallest_limit();
+      if (dt > limit * (1 + 1e-12))
+        verdict.warn("step_limit", record.time, dt / limit, stability_sentence(dt));
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::check_result()
+    {
+      if (const auto [part, name] = energy_check->unexplained(); part > .01)
+        verdict.warn("unexplained_energy",
+                     record.time,
+                     part,
+                     "nothing explains some of the energy of the structure \"" + name +
+                       "\": the stress of its law is not the derivative of its energy");
+      const auto &totals = accounts.totals;
+      for (unsigned int s = 0; s < parts.structures.size(); ++s)
         {
-          std::ostringstream text;
-          text << std::setprecision(2) << "the energy has grown by " << 100 * gained / scale
-               << " % beyond the work done: " << stability_sentence(accounts.ledger.last("dt"));
-          throw RunFailure(text.str());
+          const double error =
+            std::abs(totals.leak[s] + totals.time_error[s]) / initial_measures[s];
+          if (error > measure_tolerance)
+            {
+              std::ostringstream text;
+              text << std::setprecision(2) << "the structure \""
+                   << parts.structures[s].model->name() << "\" has changed its measure by "
+                   << 100 * error << " %, " << 100 * totals.leak[s] / initial_measures[s]
+                   << " % by flux through it and "
+                   << 100 * totals.time_error[s] / initial_measures[s] << " % by the time scheme";
+              verdict.warn("measure", record.time, error, text.str());
+            }
         }
+      check_structures(parts, record.time, verdict);
+    }
+
+
+    template <int dim>
+    std::string
+    SimulationInDimension<dim>::cause(const double dt)
+    {
+      check_limits(dt);
+      if (energy_check->grew || dt > parts.integrator->stability_limit(parts.system()).dt)
+        return ": " + stability_sentence(dt);
+      return "";
     }
 
 
@@ -305,6 +357,8 @@ namespace feib
     void
     SimulationInDimension<dim>::advance()
     {
+      const double wanted = parts.control->next_dt();
+      check_limits(wanted);
       while (true)
         {
           const double dt = parts.control->next_dt();
@@ -313,25 +367,36 @@ namespace feib
             {
               take_step(dt, parts.control->next_time());
               parts.control->accept(control_state());
-              return;
+              break;
+            }
+          catch (const Incurable &)
+            {
+              throw;
             }
           catch (const RunFailure &failure)
             {
-              if (!parts.control->halve())
-                throw;
               reason = failure.what();
+              // Where the energy grows again and again, shorter steps now and then do not help.
+              if (energy_check->grew)
+                ++growths;
+              if (growths > 8 || !parts.control->halve())
+                throw Incurable(reason + cause(wanted));
             }
           ++record.retries;
+          // That a step is shortened for accuracy is what adaptive control is for.
+          if (!inaccurate)
+            ++failures;
           std::ostringstream message;
           message << "the step from time " << record.time << " with dt = " << dt
                   << " failed: " << reason << "; trying dt = " << parts.control->next_dt();
           log::warning(message.str());
-          if (record.retries > 3)
+          if (!inaccurate && failures > 3)
             verdict.warn("retries",
                          record.time,
-                         record.retries,
+                         failures,
                          "more than three steps have failed and were tried again");
         }
+      check_result();
     }
 
 
@@ -343,6 +408,7 @@ namespace feib
       const double time_before       = record.time;
       const double error_before      = displacement_error;
       const auto totals_before       = accounts.totals;
+      const auto energy_before       = energy_check->totals;
       std::vector<Positions<dim>> positions;
       std::vector<NodalField<dim>> velocities;
       for (const ImmersedStructure<dim> &structure : parts.structures)
@@ -357,23 +423,31 @@ namespace feib
 
       try
         {
-          auto all          = parts.system();
-          const auto report = parts.integrator->step(all, record.time, dt);
-          check_state();
-          displacement_error = report.displacement_error;
-          if (!parts.control->accurate(displacement_error))
-            {
-              std::ostringstream message;
-              message << "it adds an error of about " << std::setprecision(2) << displacement_error
-                      << " to displacements";
-              throw RunFailure(message.str());
-            }
-          ++record.step;
-          record.time = new_time;
-          accounts.add(record.step, record.time, dt, report, positions);
-          parts.space->old_dt = dt;
-          // Schemes may leave the boundary values at another time of the step.
-          parts.space->set_time(record.time);
+          energy_check->grew = false;
+          inaccurate         = false;
+          agree(parts.space->communicator(), [&] {
+            auto all          = parts.system();
+            const auto report = parts.integrator->step(all, record.time, dt);
+            check_state();
+            displacement_error = report.displacement_error;
+            if (!parts.control->accurate(displacement_error))
+              {
+                std::ostringstream message;
+                message << "it adds an error of about " << std::setprecision(2)
+                        << displacement_error << " to displacements";
+                inaccurate = true;
+                throw RunFailure(message.str());
+              }
+            ++record.step;
+            record.time           = new_time;
+            const double before   = accounts.totals.energy;
+            const Ledger::Row row = accounts.add(record.step, record.time, dt, report, positions);
+            energy_check->judge(before, accounts.totals.energy, report);
+            accounts.ledger.add(row);
+            parts.space->old_dt = dt;
+            // Schemes may leave the boundary values at another time of the step.
+            parts.space->set_time(record.time);
+          });
         }
       catch (const RunFailure &)
         {
@@ -382,6 +456,7 @@ namespace feib
           record.time                 = time_before;
           displacement_error          = error_before;
           accounts.totals             = totals_before;
+          energy_check->totals        = energy_before;
           parts.space->velocity       = parts.space->old_velocity;
           parts.space->old_velocity   = parts.space->older_velocity;
           parts.space->older_velocity = older;
@@ -440,6 +515,21 @@ namespace feib
 
     template <int dim>
     void
+    SimulationInDimension<dim>::write_lone_summary(const std::string &directory,
+                                                   const std::string &message) const
+    {
+      const Json document = {{"status", verdict.status(Verdict::End::failed)},
+                             {"message", message},
+                             {"warnings", verdict.to_json()},
+                             {"steps", record.step},
+                             {"time", record.time}};
+      std::ofstream(directory + "/summary.json") << document.dump(2) << '\n';
+      std::ofstream(directory + "/log.txt", std::ios::app) << "error: " << message << '\n';
+    }
+
+
+    template <int dim>
+    void
     SimulationInDimension<dim>::loop(const Options &options)
     {
       const StepControl &control = *parts.control;
@@ -448,13 +538,14 @@ namespace feib
       while (!control.finished())
         {
           const Clock::time_point step_start = Clock::now();
-          advance();
-          check_energy();
-          check_momentum();
-          if (!control.finished())
-            refine();
-          record.step_seconds.push_back(seconds_since(step_start));
-          write_outputs(options.directory, control.finished());
+          agree(parts.space->communicator(), [&] {
+            advance();
+            check_momentum();
+            if (!control.finished())
+              refine();
+            record.step_seconds.push_back(seconds_since(step_start));
+            write_outputs(options.directory, control.finished());
+          });
           if (speaks && options.on_progress)
             options.on_progress({record.step,
                                  record.time,
@@ -474,18 +565,25 @@ namespace feib
                                         const std::string &why)
     {
       std::ostringstream text;
-      text << why << "; the last good state is step " << record.step << ", time " << record.time;
-      const std::string message = text.str();
-      try
-        {
-          if (accounts.ledger.n_rows() > 0)
-            write_outputs(directory, true);
-          write_summary(directory, how, message);
-        }
-      catch (const RunFailure &second)
-        {
-          throw RunFailure(message + "; and " + second.what());
-        }
+      text << why;
+      if (accounts.ledger.n_rows() > 0)
+        text << "; the last good state is step " << record.step << ", time " << record.time;
+      else
+        text << "; the run did not reach its initial state";
+      std::string message = text.str();
+      const auto attempt  = [&](const std::function<void()> &action) {
+        try
+          {
+            agree(parts.space->communicator(), action);
+          }
+        catch (const RunFailure &second)
+          {
+            message += std::string("; and ") + second.what();
+          }
+      };
+      if (accounts.ledger.n_rows() > 0)
+        attempt([&] { write_outputs(directory, true); });
+      attempt([&] { write_summary(directory, how, message); });
       log::status("");
       log::error(message);
     }
@@ -500,9 +598,12 @@ namespace feib
       Verdict::End end = Verdict::End::completed;
       try
         {
-          initialize();
-          write_outputs(options.directory, true);
+          agree(parts.space->communicator(), [&] {
+            initialize();
+            write_outputs(options.directory, true);
+          });
           loop(options);
+          check_overlap(parts, record.time, verdict);
           write_summary(options.directory, end, "");
           log::status("");
         }
@@ -515,6 +616,11 @@ namespace feib
         {
           end = Verdict::End::failed;
           give_up(options.directory, end, failure.what());
+        }
+      catch (const LoneFailure &failure)
+        {
+          write_lone_summary(options.directory, failure.what());
+          throw;
         }
       log::info(verdict.sentence(end) + ", results in " + options.directory);
       return end == Verdict::End::completed;

@@ -127,7 +127,9 @@ namespace feib
   StepControl::halve()
   {
     const double half = next_dt() / 2;
-    if (half < shortest * (1 - 1e-6))
+    // A step that does not advance the time would never end.
+    if (half < shortest * (1 - 1e-6) || !(half >= std::numeric_limits<double>::min()) ||
+        present + half == present)
       return false;
     dt       = half;
     patience = 4;

@@ -28,6 +28,7 @@ namespace feib
               {"elastic", ledger.last("elastic")},
               {"dissipated", ledger.last("dissipated")},
               {"numerical", ledger.last("numerical")},
+              {"unexplained", ledger.last("unexplained")},
               {"largest_closure", totals.largest_closure},
               {"total_initial", ledger.value("total_energy", 0)},
               {"total_final", ledger.last("total_energy")},
@@ -101,7 +102,7 @@ namespace feib
                                                        components.initial_positions[s],
                                                        totals.leak[s],
                                                        totals.time_error[s]));
-    if (components.exact_velocity)
+    if (components.exact_velocity && ledger.n_rows() > 0)
       {
         const ErrorNorms norms = error_norms(space,
                                              record.time,

@@ -4,6 +4,7 @@
 
 #include <feib/constitutive_law.h>
 #include <feib/expression.h>
+#include <feib/failure.h>
 #include <feib/reference_mesh.h>
 #include <feib/structure_model.h>
 
@@ -119,6 +120,11 @@ namespace feib
     /// The deformation gradients at X. Throws RunFailure on all ranks where an element is inverted.
     std::vector<Matrix> deformation_gradients(const Positions<dim> &X) const;
 
+    /// Calls a function of the law that fills @p values, one for each element of this rank. What it
+    /// throws on any rank, or a value that is not finite, is a RunFailure on all. Collective.
+    template <typename Value, typename Function>
+    void evaluate(const char *what, const Function &function, std::vector<Value> &values) const;
+
     /// From the stresses of this rank's elements to the load of all. Collective.
     void face_loads(const std::vector<Matrix> &P, NodalField<dim> &load) const;
 
@@ -133,6 +139,7 @@ namespace feib
     std::string structure_name;
     Mesh reference_mesh;
     unsigned int first, last; // the elements of this rank
+    std::string law_name;
     std::unique_ptr<Law> law;
     LagrangianPoints points;
     bool boundary_faces;
@@ -147,6 +154,7 @@ namespace feib
                                                          std::unique_ptr<Law> constitutive_law)
     : structure_name(parameters.string("name"))
     , reference_mesh(make_reference_mesh<dim>(parameters.child("mesh"), m))
+    , law_name(parameters.child("law").choice().first)
     , law(std::move(constitutive_law))
     , boundary_faces(parameters.boolean("boundary_faces"))
   {
@@ -427,6 +435,38 @@ namespace feib
   }
 
   template <int structure_dim, int dim>
+  template <typename Value, typename Function>
+  void
+  ElasticStructure<structure_dim, dim>::evaluate(const char *what,
+                                                 const Function &function,
+                                                 std::vector<Value> &values) const
+  {
+    const auto finite = [](const Value &value) {
+      if constexpr (std::is_same_v<Value, double>)
+        return std::isfinite(value);
+      else
+        {
+          double sum = 0;
+          for (unsigned int i = 0; i < dim; ++i)
+            sum += value[i].norm_square();
+          return std::isfinite(sum);
+        }
+    };
+    agree(
+      reference_mesh.communicator(),
+      [&] {
+        function();
+        if (values.size() != last - first)
+          throw Incurable("it gives " + std::to_string(values.size()) + " values for " +
+                          std::to_string(last - first) + " elements");
+        for (unsigned int e = first; e < last; ++e)
+          if (!finite(values[e - first]))
+            throw RunFailure("it is not finite in element " + std::to_string(e));
+      },
+      "the law \"" + law_name + "\" of structure \"" + structure_name + "\" fails in its " + what);
+  }
+
+  template <int structure_dim, int dim>
   void
   ElasticStructure<structure_dim, dim>::face_loads(const std::vector<Matrix> &P,
                                                    NodalField<dim> &load) const
@@ -474,7 +514,9 @@ namespace feib
   ElasticStructure<structure_dim, dim>::load(const Positions<dim> &X, NodalField<dim> &load) const
   {
     std::vector<Matrix> P;
-    law->stress(deformation_gradients(X), P);
+    const std::vector<Matrix> F = deformation_gradients(X);
+    evaluate(
+      "stress", [&] { law->stress(F, P); }, P);
     face_loads(P, load);
   }
 
@@ -485,7 +527,9 @@ namespace feib
                                                         NodalField<dim> &dload) const
   {
     std::vector<Matrix> dP;
-    law->stress_derivative(deformation_gradients(X), gradients(dX), dP);
+    const std::vector<Matrix> F = deformation_gradients(X), dF = gradients(dX);
+    evaluate(
+      "derivative of the stress", [&] { law->stress_derivative(F, dF, dP); }, dP);
     face_loads(dP, dload);
   }
 
@@ -494,7 +538,9 @@ namespace feib
   ElasticStructure<structure_dim, dim>::energy(const Positions<dim> &X) const
   {
     std::vector<double> W;
-    law->energy(deformation_gradients(X), W);
+    const std::vector<Matrix> F = deformation_gradients(X);
+    evaluate(
+      "energy", [&] { law->energy(F, W); }, W);
     double sum = 0;
     for (unsigned int e = first; e < last; ++e)
       sum += W[e - first] * reference_mesh.elements()[e].measure;
@@ -506,7 +552,9 @@ namespace feib
   ElasticStructure<structure_dim, dim>::energy_density(const Positions<dim> &X) const
   {
     std::vector<double> W, all(reference_mesh.n_elements());
-    law->energy(deformation_gradients(X), W);
+    const std::vector<Matrix> F = deformation_gradients(X);
+    evaluate(
+      "energy", [&] { law->energy(F, W); }, W);
     std::copy(W.begin(), W.end(), all.begin() + first);
     dealii::Utilities::MPI::sum(all, reference_mesh.communicator(), all);
     return all;
@@ -526,7 +574,10 @@ namespace feib
             direction               = Matrix();
             direction[c / m][c % m] = 1;
           }
-        law->stress_derivative(F, dF, columns[c]);
+        evaluate(
+          "derivative of the stress",
+          [&] { law->stress_derivative(F, dF, columns[c]); },
+          columns[c]);
       }
     return columns;
   }

@@ -348,9 +348,24 @@ namespace feib
     for (unsigned int q = 0; q < force.size(); ++q)
       add(force[q], points[q], velocity[q]);
 
-    // The work of the elastic force beside the energy it comes from.
-    model.positions = displaced(old, dt);
-    report.numerical += model.energy(old) - model.energy(model.positions) - dt * exchange.power;
+    // The work of the elastic force, the work along the way of the step (by two Gauss points, exact
+    // where the energy is a polynomial of degree 4), and the energy it comes from.
+    model.positions  = displaced(old, dt);
+    const double way = model.energy(old) - model.energy(model.positions);
+    double work      = way;
+    if (model.conservative())
+      {
+        work = 0;
+        for (const double theta : {.5 - std::sqrt(1. / 12), .5 + std::sqrt(1. / 12)})
+          {
+            model.load(displaced(old, theta * dt), force);
+            for (unsigned int q = 0; q < force.size(); ++q)
+              work += dt / 2 * (force[q] * velocity[q]);
+          }
+      }
+    exchange.numerical    = work - dt * exchange.power;
+    exchange.unexplained  = way - work;
+    exchange.elastic_work = std::abs(work);
 
     for (unsigned int i = 0; i < U.size(); ++i)
       {
@@ -359,7 +374,7 @@ namespace feib
           {
             add(-mass[i] / tau * change, geometry[i], U[i]);
             if (!choices.midpoint)
-              report.numerical += mass[i] / 2 * change.norm_square();
+              exchange.numerical += mass[i] / 2 * change.norm_square();
           }
         model.velocities[i] += (choices.midpoint ? 2. : 1.) * change;
       }
@@ -369,6 +384,8 @@ namespace feib
     if (model.mesh().structure_dim() == dim || model.mesh().closed())
       exchange.leak =
         dim == 2 ? (A(dt) - A(-dt)) / 2 : (8 * (A(dt) - A(-dt)) - (A(2 * dt) - A(-2 * dt))) / 12;
+    report.numerical += exchange.numerical;
+    report.unexplained += exchange.unexplained;
     report.exchanges.push_back(exchange);
   }
 

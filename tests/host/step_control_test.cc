@@ -74,10 +74,11 @@ TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
   ASSERT_NE(forecast, std::string::npos) << result.output;
   EXPECT_TRUE(holds(result.output.substr(forecast),
                     " of midpoint for structure \"membrane\"; use lagged_midpoint or dt <= "));
-  const std::size_t stop = result.output.find("error: the energy has grown by ");
+  const std::size_t stop = result.output.find("error: the energy ");
   ASSERT_NE(stop, std::string::npos) << result.output;
   EXPECT_LT(forecast, stop);
-  EXPECT_TRUE(holds(result.output.substr(stop), "beyond the work done: " + advice));
+  EXPECT_TRUE(holds(result.output.substr(stop), " has grown by "));
+  EXPECT_TRUE(holds(result.output.substr(stop), "use lagged_midpoint or dt <= "));
   for (const auto &[column, values] : result.ledger)
     for (const double value : values)
       EXPECT_TRUE(std::isfinite(value)) << column;

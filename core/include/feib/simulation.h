@@ -42,9 +42,9 @@ namespace feib
     };
 
     /// Runs, writes everything, summary.json included, and logs how it went; the last line begins
-    /// with the status. Whether the end was reached: with trouble or a signal the last good state is
-    /// written and the status is "failed" or "stopped". Throws RunFailure, on all ranks, when that
-    /// cannot be written either.
+    /// with the status. Whether the end was reached: with trouble or a signal the last good state
+    /// is written as far as possible, and the status is "failed" or "stopped". Throws LoneFailure
+    /// when only this rank failed and the others do not answer.
     virtual bool run(const Options &options) = 0;
   };
 } // namespace feib

@@ -39,12 +39,21 @@ namespace feib
       /// velocity through the structure: dt A'(X)[J u] at the X where J is taken. The rest is
       /// error of the time scheme. Zero for open curves and surfaces.
       double leak = 0;
+      /// Energy of the structure, elastic and kinetic of its excess mass, that the step lost beside
+      /// its work on the fluid: by the theory of the scheme, and the rest. The rest is that of
+      /// E(X^n) - E(X^{n+1}) which is not the work of the load along the way: none for a law whose
+      /// stress is the derivative of its energy.
+      double numerical   = 0;
+      double unexplained = 0;
+      /// The work of the elastic load along the way of the step, without sign: the measure of
+      /// unexplained energy.
+      double elastic_work = 0;
     };
 
     /// What a step took, and where its energy went: with K and E the kinetic and the elastic
     /// energy,
     ///   K + E at the end - K - E at the beginning + dissipated + convected + numerical
-    ///     = boundary_work + body_work       up to the tolerance of the solver.
+    ///     + unexplained = boundary_work + body_work       up to the tolerance of the solver.
     struct Report
     {
       unsigned int linear_iterations    = 0;
@@ -54,7 +63,8 @@ namespace feib
       double convected                  = 0; // left through open faces, >= 0
       double boundary_work              = 0;
       double body_work                  = 0;
-      double numerical                  = 0; // lost (gained when negative) by the time scheme
+      double numerical   = 0; // lost (gained when negative) by the time scheme, by its theory
+      double unexplained = 0; // lost, and neither scheme nor solver explain it
       /// An estimate of the error that this step adds to displacements [length]; negative: the
       /// scheme has none; infinite: there are not yet enough steps to tell.
       double displacement_error = -1;

@@ -6,6 +6,7 @@
 #include "stokes_solver.h"
 
 #include <feib/error.h>
+#include <feib/failure.h>
 #include <feib/expression.h>
 #include <feib/fluid_solver.h>
 #include <feib/plugin.h>
@@ -484,10 +485,10 @@ namespace feib
       flux += divergence.local_element(space.pressure_dofs(c)[0]);
     flux = dealii::Utilities::MPI::sum(flux, space.communicator());
     if (space.domain().enclosed() && std::abs(flux) > 1e-8 * scale)
-      throw RunFailure("the prescribed boundary velocities, as interpolated on this mesh, carry a "
-                       "net flux of " +
-                       std::to_string(flux) +
-                       " out of the box, which is closed: give a face the condition outflow");
+      throw Incurable("the prescribed boundary velocities, as interpolated on this mesh, carry a "
+                      "net flux of " +
+                      std::to_string(flux) +
+                      " out of the box, which is closed: give a face the condition outflow");
   }
 
 

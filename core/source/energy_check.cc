@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "energy_check.h"
+
+#include <feib/failure.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    std::string
+    percent(const double share)
+    {
+      std::ostringstream text;
+      text << std::setprecision(2) << 100 * share << " %";
+      return text.str();
+    }
+  } // namespace
+
+
+  template <int dim>
+  EnergyCheck<dim>::EnergyCheck(const Components<dim> &components, const double allowed)
+    : components(components)
+    , allowed(allowed)
+  {
+    totals.unexplained.assign(components.structures.size(), 0.);
+    totals.elastic_work.assign(components.structures.size(), 0.);
+    for (const ImmersedStructure<dim> &structure : components.structures)
+      {
+        const StructureModel<dim> &model = *structure.model;
+        initial_energy.push_back(model.energy(model.positions));
+        stiffness.push_back(model.stiffness(model.positions) * model.measure(model.positions));
+        unit += 1e-6 * stiffness.back();
+      }
+  }
+
+
+  template <int dim>
+  double
+  EnergyCheck<dim>::round_off(const unsigned int s) const
+  {
+    return 1e-9 * (std::abs(initial_energy[s]) + stiffness[s]);
+  }
+
+
+  template <int dim>
+  void
+  EnergyCheck<dim>::judge(const double before, const double after, const Report &report)
+  {
+    // What leaves through open faces is known, and hides no growth.
+    const double gained = -(report.numerical + report.unexplained);
+    const double scale  = std::max({std::abs(before), std::abs(after), unit});
+    totals.growth       = std::max(0., totals.growth + gained - report.dissipated);
+    grew                = true; // should one of these throw
+    for (unsigned int s = 0; s < report.exchanges.size(); ++s)
+      judge_structure(s, scale, report);
+    if (totals.growth > allowed * scale)
+      throw RunFailure("the energy has grown by " + percent(totals.growth / scale) +
+                       " beyond the work done");
+    grew = false;
+  }
+
+
+  template <int dim>
+  void
+  EnergyCheck<dim>::judge_structure(const unsigned int s, const double scale, const Report &report)
+  {
+    const auto &exchange             = report.exchanges[s];
+    const StructureModel<dim> &model = *components.structures[s].model;
+    const double gained              = -(exchange.numerical + exchange.unexplained);
+    if (gained > allowed * scale)
+      throw RunFailure("the energy of the structure \"" + model.name() + "\" has grown by " +
+                       percent(gained / scale) + " beyond the work done on it");
+
+    totals.unexplained[s] += exchange.unexplained;
+    totals.elastic_work[s] += exchange.elastic_work;
+    const double unexplained = std::abs(totals.unexplained[s]);
+    if (unexplained > allowed * totals.elastic_work[s] + round_off(s))
+      throw Incurable("the load of the structure \"" + model.name() + "\" has done a work of " +
+                      std::to_string(totals.elastic_work[s]) + ", " +
+                      percent(unexplained / totals.elastic_work[s]) +
+                      " of which no change of its energy explains: the stress of its law is not "
+                      "the derivative of its energy");
+
+    const double energy = model.energy(model.positions);
+    if (energy < std::min(0., initial_energy[s]) - 2 * (std::abs(initial_energy[s]) + stiffness[s]))
+      throw Incurable("the elastic energy of the structure \"" + model.name() + "\" falls to " +
+                      std::to_string(energy) + " from " + std::to_string(initial_energy[s]) +
+                      ": its law gives energy without end");
+  }
+
+
+  template <int dim>
+  std::pair<double, std::string>
+  EnergyCheck<dim>::unexplained() const
+  {
+    std::pair<double, std::string> worst{0., ""};
+    for (unsigned int s = 0; s < totals.unexplained.size(); ++s)
+      {
+        const double beyond = std::abs(totals.unexplained[s]) - round_off(s);
+        if (beyond > worst.first * totals.elastic_work[s])
+          worst = {beyond / totals.elastic_work[s], components.structures[s].model->name()};
+      }
+    return worst;
+  }
+
+
+  template class EnergyCheck<2>;
+  template class EnergyCheck<3>;
+} // namespace feib

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_energy_check_h
+#define feib_energy_check_h
+
+#include "components.h"
+
+namespace feib
+{
+  /// Judges the energies of a step before it is accepted: what grows from nowhere is a failure.
+  /// Neither the work of a moving wall nor what viscosity takes elsewhere hides anything:
+  /// structures are judged by themselves, and growth is counted from where it began.
+  template <int dim>
+  class EnergyCheck
+  {
+  public:
+    using Report = typename TimeIntegrator<dim>::Report;
+
+    /// Of the run up to the present step: a part of the state, to be undone with a step.
+    struct Totals
+    {
+      double growth = 0; // energy from nowhere beyond what was dissipated, since it last vanished
+      std::vector<double> unexplained, elastic_work; // of each structure
+    };
+    Totals totals;
+    bool grew = false; // whether judge() failed because of growth
+
+    /// At the initial state. @p allowed: growth relative to the energy there is.
+    EnergyCheck(const Components<dim> &components, double allowed);
+
+    /// The fluid's and structures' energies before and after a step. Throws RunFailure.
+    void judge(double before, double after, const Report &report);
+
+    /// The structure with the largest part of unexplained energy, and that part; -1 without.
+    std::pair<double, std::string> unexplained() const;
+
+  private:
+    void judge_structure(unsigned int s, double scale, const Report &report);
+
+    /// Below which unexplained energy of a structure is round-off.
+    double round_off(unsigned int s) const;
+
+    const Components<dim> &components;
+    const double allowed;
+    double unit = 0;                               // energy below which growth means nothing
+    std::vector<double> initial_energy, stiffness; // of each structure, energies
+  };
+} // namespace feib
+
+#endif
