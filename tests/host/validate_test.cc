@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 using namespace feib::testing;
 using nlohmann::json;
 
@@ -188,6 +190,24 @@ TEST_F(Validate, ExpressionsThatBecomeInfiniteAreNamed)
   refused(description, {{"/domain/boundary/y_max/velocity/value/0", "inf at (0.0625, 1)"}});
 }
 
+TEST_F(Validate, ExpressionsOfStructuresAreTriedWhereTheyAreUsed)
+{
+  json description = small();
+  json modulus = disc(), fibres = disc(), position = disc(), material = disc();
+  modulus["hyperelastic"]["law"]["neo_hookean"]["shear_modulus"] = "ln(s1-0.5)";
+  fibres["hyperelastic"]["law"]                                  = {
+                                     {"mooney_rivlin_fibres",
+                                      {{"c1", 1}, {"c2", 0}, {"fibre_modulus", 1}, {"fibres", {{"sqrt(s1-0.5)", "0"}}}}}};
+  position["hyperelastic"]["initial_position"] = {"s1 + 0*sqrt(s2-0.5)", "s2"};
+  material["hyperelastic"]["material"]         = "1/(s1-s1)";
+  description["structures"]                    = {modulus, fibres, position, material};
+  refused(description,
+          {{"/structures/0/hyperelastic/law/neo_hookean/shear_modulus", "nan"},
+           {"/structures/1/hyperelastic/law/mooney_rivlin_fibres/fibres/0"},
+           {"/structures/2/hyperelastic/initial_position", "nan"},
+           {"/structures/3/hyperelastic/material", "inf"}});
+}
+
 TEST_F(Validate, ANonFiniteValueBetweenTheSamplesEndsTheRunWithItsPlace)
 {
   json description                           = small();
@@ -291,6 +311,45 @@ TEST_F(Validate, SaysWhatARunTakes)
                                   "dt = 0.01 exceeds the estimated limit ",
                                   "use lagged_be or dt <= "})
     EXPECT_NE(result.output.find(words), std::string::npos) << result.output << " lacks " << words;
+}
+
+TEST_F(Validate, TheLedgerSaysWhereAStructureIs)
+{
+  json description                                          = small();
+  description["domain"]["periodic"]                         = {"x"};
+  description["domain"]["boundary"]["y_min"]                = {{"free_slip", json::object()}};
+  description["domain"]["boundary"]["y_max"]                = {{"free_slip", json::object()}};
+  description["fluid"]["navier_stokes"]["initial_velocity"] = {"50", "0"};
+  description["structures"]                                 = {disc()};
+  description["output"]                                     = {{{"ledger_csv", json::object()}}};
+  ASSERT_EQ(host(description).exit_code, 0);
+  std::istringstream lines(read_file(folder / "out/ledger.csv"));
+  std::vector<std::string> names;
+  const auto split = [](const std::string &line) {
+    std::vector<std::string> fields;
+    std::istringstream stream(line);
+    for (std::string field; std::getline(stream, field, ',');)
+      fields.push_back(field);
+    return fields;
+  };
+  std::string line;
+  std::getline(lines, line);
+  names = split(line);
+  for (const double moved : {0., .5, 1.}) // beyond the end of the box
+    {
+      ASSERT_TRUE(std::getline(lines, line));
+      const std::vector<std::string> values = split(line);
+      const auto value                      = [&](const std::string &name) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        EXPECT_NE(found, names.end()) << name;
+        return found == names.end() ? 0. : std::stod(values[found - names.begin()]);
+      };
+      EXPECT_NEAR(value("centroid_x_disc"), .5 + moved, 1e-6);
+      EXPECT_NEAR(value("centroid_y_disc"), .5, 1e-6);
+      EXPECT_NEAR(value("lower_x_disc"), .3 + moved, 1e-6);
+      EXPECT_NEAR(value("upper_x_disc"), .7 + moved, 1e-6);
+      EXPECT_NEAR(value("lower_y_disc"), .3, .01);
+    }
 }
 
 TEST_F(Validate, RanksAgree)
