@@ -205,7 +205,7 @@ namespace feib::testing
     registry.add<structure_model_interface, structure_model_component>("body", body_schema);
     registry.add<coupling_operator_interface, coupling_operator_component>("divergence_free",
                                                                            empty_schema);
-    registry.add<time_integrator_interface, time_integrator_component>("fe_be", empty_schema);
+    registry.add<time_integrator_interface, time_integrator_component>("midpoint", empty_schema);
     registry.add<refinement_strategy_interface, refinement_strategy_component>("uniform",
                                                                                empty_schema);
     registry.add<output_writer_interface, output_writer_component>("vtu", empty_schema);

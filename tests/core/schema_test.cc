@@ -281,7 +281,7 @@ TEST(Schema, FillsDefaultsEverywhere)
 
   EXPECT_EQ(filled["title"], "");
   EXPECT_EQ(filled["coupling"], Json::parse(R"({"divergence_free": {}})"));
-  EXPECT_EQ(filled["time"]["integrator"], Json::parse(R"({"fe_be": {}})"));
+  EXPECT_EQ(filled["time"]["integrator"], Json::parse(R"({"midpoint": {}})"));
   EXPECT_EQ(filled["domain"]["boundary"], Json::object());
   EXPECT_FALSE(filled["domain"].contains("lower"));
   EXPECT_EQ(filled["fluid"]["stokes"]["density"], 1);

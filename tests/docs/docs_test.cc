@@ -110,6 +110,20 @@ TEST(Docs, LinkedFilesExist)
   EXPECT_GE(n, 10u);
 }
 
+TEST(Docs, ReadmeLinksEveryPage)
+{
+  const std::string readme = read_file(source / "README.md");
+  unsigned int n           = 0;
+  for (const auto &entry : fs::directory_iterator(source / "docs"))
+    if (entry.path().extension() == ".md")
+      {
+        const std::string link = "](docs/" + entry.path().filename().string() + ")";
+        EXPECT_NE(readme.find(link), std::string::npos) << entry.path();
+        ++n;
+      }
+  EXPECT_GE(n, 8u);
+}
+
 TEST(Docs, EveryCaseHasItsPage)
 {
   for (const auto &entry : fs::directory_iterator(source / "cases"))

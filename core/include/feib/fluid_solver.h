@@ -34,7 +34,7 @@ namespace feib
       unsigned int linear_iterations    = 0;
       unsigned int nonlinear_iterations = 0;
       double dissipation                = 0; // a(u,u) with the viscous form chosen
-      double convection_power           = 0; // b(w,w,u)
+      double convection_power           = 0; // leaves through open faces, >= 0
       double boundary_power             = 0; // reaction at prescribed velocity . u
       double body_force_power           = 0; // (f, u)
       double increment_energy           = 0; // rho/2 |u - u^n|^2

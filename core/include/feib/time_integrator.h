@@ -51,7 +51,7 @@ namespace feib
       unsigned int nonlinear_iterations = 0;
       unsigned int geometry_iterations  = 0; // solutions with another geometry, for one step
       double dissipated                 = 0; // by viscosity
-      double convected                  = 0; // work of the convective term against the fluid
+      double convected                  = 0; // left through open faces, >= 0
       double boundary_work              = 0;
       double body_work                  = 0;
       double numerical                  = 0; // lost (gained when negative) by the time scheme

@@ -467,7 +467,7 @@ namespace feib
   template <int dim>
   std::vector<double>
   FluidOperators<dim>::convection_matrix(const unsigned int cell,
-                                         const VelocityVector *newton) const
+                                         const VelocityVector &velocity) const
   {
     // Columns are what convection makes of unit vectors: a batch of them at once, with the cell's w
     // in every lane.
@@ -481,8 +481,7 @@ namespace feib
       {
         if (cells.open_faces != 0)
           w[i] = Values{} + at_nodes[cells.first_open + i][lane];
-        if (newton)
-          u[i] = Values{} + newton->begin()[cells.velocities[i * lanes + lane]];
+        u[i] = Values{} + velocity.begin()[cells.velocities[i * lanes + lane]];
       }
     std::vector<double> matrix(n_u * n_u);
     for (unsigned int first = 0; first < n_u; first += lanes)
@@ -493,14 +492,11 @@ namespace feib
           unit[first + l][l] = 1;
         convect(stored, unit, column);
         convect_out(cells, w, w, unit, column);
-        if (newton)
-          {
-            Values by_unit[most_stored];
-            prepare_convection<dim>(
-              given_terms.convective_form, cells.size, given_terms.rho, unit, by_unit);
-            convect(by_unit, u, column);
-            convect_out(cells, u, unit, u, column);
-          }
+        Values by_unit[most_stored];
+        prepare_convection<dim>(
+          given_terms.convective_form, cells.size, given_terms.rho, unit, by_unit);
+        convect(by_unit, u, column);
+        convect_out(cells, u, unit, u, column);
         for (unsigned int l = 0; l < filled; ++l)
           for (unsigned int i = 0; i < n_u; ++i)
             matrix[i * n_u + first + l] = column[i][l];

@@ -92,8 +92,8 @@ namespace feib
     /// Integrals over the fluid at the velocity of the space. Collective.
     typename FluidSolver<dim>::Balance balance(const Space &space) const;
 
-    /// The matrix of a cell for rate M + viscosity, of convection (for Newton's method at the
-    /// velocity @p newton, if given) and of (div u, q); rows of n_u.
+    /// The matrix of a cell for rate M + viscosity, of the derivative of
+    /// convection at the convecting velocity @p u, and of (div u, q); rows of n_u.
     std::vector<double>
     velocity_matrix(const Space &space, const unsigned int cell, const double rate) const
     {
@@ -103,7 +103,7 @@ namespace feib
                                        given_terms.symmetric,
                                        given_terms.grad_div);
     }
-    std::vector<double> convection_matrix(unsigned int cell, const VelocityVector *newton) const;
+    std::vector<double> convection_matrix(unsigned int cell, const VelocityVector &u) const;
     const std::vector<double> &
     divergence_matrix(const Space &space, const unsigned int cell) const
     {

@@ -416,13 +416,13 @@ TEST(Multigrid, IterationsWithConvection)
     const auto [cold, warm] = found;
     if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
       std::cout << name << ": cold " << cold << ", warm " << warm << std::endl;
-    EXPECT_LE(cold, 12u) << name;
-    EXPECT_LE(warm, 9u) << name;
+    EXPECT_LE(cold, 15u) << name;
+    EXPECT_LE(warm, 8u) << name;
   };
   for (const unsigned int n : {16, 32, 64})
-    check(iterations<2>(box<2>(n, lid), 0, .25 / n, 1e-3, "linearised"), std::to_string(n) + "^2");
-  check(iterations<2>(box<2>(16, lid), 2, .25 / 64, 1e-3, "linearised"), "16^2 + 2");
-  check(iterations<3>(box<3>(8, lid_3d), 0, .25 / 8, 1e-3, "linearised"), "8^3");
+    check(iterations<2>(box<2>(n, lid), 0, .25 / n, 1e-3, "implicit"), std::to_string(n) + "^2");
+  check(iterations<2>(box<2>(16, lid), 2, .25 / 64, 1e-3, "implicit"), "16^2 + 2");
+  check(iterations<3>(box<3>(8, lid_3d), 0, .25 / 8, 1e-3, "implicit"), "8^3");
 }
 
 TEST(Multigrid, FluidAtRestUnderItsWeight)

@@ -38,7 +38,7 @@ namespace feib
         result                 = 0.;
         g                      = 0.;
         equations.operators.subtract_stokes(equations.rate, v, src.block(1), result, g);
-        if (equations.convects)
+        if (equations.velocity)
           equations.add_convection(-1., v, result);
         result.compress(dealii::VectorOperation::add);
         g.compress(dealii::VectorOperation::add);
@@ -161,7 +161,7 @@ namespace feib
     // Where the factorisation is cheap and is all there is to do, and where multigrid lacks what is
     // in the matrix.
     const auto n_cells              = equations.space.triangulation().n_global_active_cells();
-    const unsigned int small        = equations.convects ? 0 : dim == 2 ? 1100 : 64;
+    const unsigned int small        = equations.velocity ? 0 : dim == 2 ? 1100 : 64;
     constexpr unsigned int bearable = dim == 2 ? 20000 : 1000;
     constexpr double large_cfl      = 8;
     const auto &terms               = equations.operators.terms();
@@ -220,7 +220,7 @@ namespace feib
         const std::vector<double> &divergence =
           equations.operators.divergence_matrix(equations.space, c);
         const std::vector<double> convection =
-          factor_with_convection ? equations.operators.convection_matrix(c, equations.newton)
+          factor_with_convection ? equations.operators.convection_matrix(c, *equations.velocity)
                                  : std::vector<double>(n_u * n_u, 0.);
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
@@ -259,7 +259,7 @@ namespace feib
           factor_outdated = factor_with_load = true;
         if (factor_outdated)
           factorize(equations);
-        if (!equations.convects && !equations.load)
+        if (!equations.velocity && !equations.load)
           {
             direct.solve(r, g, du, dp);
             return 1;
@@ -338,7 +338,7 @@ namespace feib
               "factorising the fluid matrix anew, with all there is; the last one served " +
               std::to_string(uses) + " solutions");
             factor_with_load       = equations.load != nullptr;
-            factor_with_convection = equations.convects;
+            factor_with_convection = equations.velocity != nullptr;
             factorize(equations);
             solution = 0.;
           }

@@ -29,19 +29,17 @@ namespace feib
     {
       const EulerianSpace<dim> &space;
       const FluidOperators<dim> &operators;
-      double rate; // 1/dt
-      bool convects                 = false;
-      double cfl                    = 0;       // of the convecting velocity
-      const VelocityVector *newton  = nullptr; // where Newton's method linearises convection, if so
-      const ImplicitLoad<dim> *load = nullptr;
+      double rate;                              // 1/dt
+      const VelocityVector *velocity = nullptr; // Newton's method has convection here, if any
+      double cfl                     = 0;       // of that velocity
+      const ImplicitLoad<dim> *load  = nullptr;
 
-      /// r += factor times convection of u
+      /// r += factor times the derivative of convection along u
       void
       add_convection(const double factor, const VelocityVector &u, VelocityVector &r) const
       {
         operators.add_convection(factor, u, r);
-        if (newton)
-          operators.add_convection_by(factor, u, *newton, r);
+        operators.add_convection_by(factor, u, *velocity, r);
       }
     };
 
