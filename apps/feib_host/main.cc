@@ -225,7 +225,7 @@ namespace
         return 2;
       }
     if (command.validate)
-      return print(command.case_file + " is valid\n"), 0;
+      return print(command.case_file + " is valid\n" + simulation->forecast()), 0;
     return run(*simulation, command, *description) ? 0 : 1;
   }
 

@@ -102,6 +102,20 @@ namespace feib
       row.emplace_back(std::string("force_") + axes[a] + "_" + model.name(), exchange.force[a]);
     for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
       row.emplace_back(std::string("torque_") + axes[a] + "_" + model.name(), exchange.torque[a]);
+    const dealii::Point<dim> centroid = model.centroid(model.positions);
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        const std::string end = std::string("_") + axes[a] + "_" + model.name();
+        const auto [low, high] =
+          std::minmax_element(model.positions.begin(),
+                              model.positions.end(),
+                              [a](const auto &x, const auto &y) { return x[a] < y[a]; });
+        // What encloses as much as it does not has no centroid.
+        row.emplace_back("centroid" + end,
+                         std::isfinite(centroid[a]) ? centroid[a] : ((*low)[a] + (*high)[a]) / 2);
+        row.emplace_back("lower" + end, (*low)[a]);
+        row.emplace_back("upper" + end, (*high)[a]);
+      }
   }
 
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "components.h"
+
+#include "error_norms.h"
+#include "forecast.h"
 #include "law_check.h"
 
 #include <feib/expression.h>
@@ -34,7 +37,12 @@ namespace feib
   {
     Issues issues;
     collect(issues, [&] {
-      space = std::make_unique<EulerianSpace<dim>>(Domain<dim>(parameters.child("domain")));
+      Domain<dim> domain(parameters.child("domain"));
+      double n_cells = 1;
+      for (const unsigned int n : domain.cells)
+        n_cells *= n;
+      check_size<dim>(n_cells, domain.pointer + "/cells", MPI_COMM_WORLD);
+      space = std::make_unique<EulerianSpace<dim>>(std::move(domain));
     });
     collect(issues, [&] { fluid = parameters.child("fluid").template create<FluidSolver<dim>>(); });
     build_structures(parameters, issues);
@@ -43,6 +51,14 @@ namespace feib
       refinement = parameters.child("refinement").template create<RefinementStrategy<dim>>();
     });
     build_outputs(parameters, issues);
+    build_exact(parameters, issues);
+    if (space)
+      {
+        const double end                = parameters.child("time").number("end");
+        const CheckContext<dim> context = {*space, structures, sample_times(end)};
+        make_mesh(context, issues);
+        check(context, end, issues);
+      }
     if (!issues.empty())
       throw Error(issues);
   }
@@ -87,6 +103,8 @@ namespace feib
         const Parameters block = slot.choice().second;
         if (structure.model->name() == "fluid")
           block.fail("name", "found \"fluid\", the name of the fluid's own files");
+        if (structure.model->name() == "convection")
+          block.fail("name", "found \"convection\", which columns of the ledger are named by");
         if (!names.insert(structure.model->name()).second)
           block.fail("name",
                      "found \"" + structure.model->name() +
@@ -103,6 +121,9 @@ namespace feib
                 block.fail(block.has("initial_position") ? "initial_position" : "mesh",
                            message.str());
               }
+        if (space && torn(*structure.model))
+          block.fail(block.has("initial_position") ? "initial_position" : "mesh",
+                     "tears the structure: one of its elements is longer than the box");
         check_law(*structure.model, slot);
         initial_positions.push_back(structure.model->positions);
         structures.push_back(std::move(structure));
@@ -119,25 +140,90 @@ namespace feib
       collect(issues, [&] {
         writers.push_back(output.template create<OutputWriter<dim>>());
         const auto [component, block] = output.choice();
-        if (block.has("name") && !names.insert(component + " " + block.string("name")).second)
-          block.fail("name",
-                     "found \"" + block.string("name") + "\" a second time; every " + component +
-                       " needs a name of its own");
+        const std::string name        = block.has("name") ? block.string("name") : "";
+        if (names.insert(component + " " + name).second)
+          return;
+        if (name.empty())
+          block.fail("", "stands here a second time, and would write the same files");
+        block.fail("name",
+                   "found \"" + name + "\" a second time; every " + component +
+                     " needs a name of its own");
       });
+  }
 
+
+  template <int dim>
+  void
+  Components<dim>::build_exact(const Parameters &parameters, Issues &issues)
+  {
     if (!parameters.has("exact"))
       return;
     const Parameters exact = parameters.child("exact");
+    const auto read        = [&](const std::string &key, const unsigned int n, auto &function) {
+      collect(issues, [&] {
+        auto expressions = parse_expressions<dim>(exact, key, n, Variables::space_time);
+        exact_expressions.push_back(expressions.get());
+        function = std::move(expressions);
+      });
+    };
+    if (exact.has("velocity"))
+      read("velocity", dim, exact_velocity);
+    else
+      exact_velocity = std::make_unique<dealii::Functions::ZeroFunction<dim>>(dim);
+    if (exact.has("pressure"))
+      read("pressure", 1, exact_pressure);
+  }
+
+
+  template <int dim>
+  void
+  Components<dim>::make_mesh(const CheckContext<dim> &context, Issues &issues)
+  {
+    if (!refinement)
+      return;
+    const std::size_t n_issues = issues.size();
     collect(issues, [&] {
-      if (exact.has("velocity"))
-        exact_velocity = parse_expressions<dim>(exact, "velocity", dim, Variables::space_time);
-      else
-        exact_velocity = std::make_unique<dealii::Functions::ZeroFunction<dim>>(dim);
+      refinement->check(context);
+      check_size<dim>(refinement->forecast_cells(*space, structures),
+                      "/refinement",
+                      space->communicator());
     });
-    collect(issues, [&] {
-      if (exact.has("pressure"))
-        exact_pressure = parse_expressions<dim>(exact, "pressure", 1, Variables::space_time);
-    });
+    if (issues.size() > n_issues)
+      return;
+    const Timers::Section section(timers, "refinement");
+    refinement->adapt(*space, structures);
+  }
+
+
+  template <int dim>
+  void
+  Components<dim>::check(const CheckContext<dim> &context, const double end, Issues &issues)
+  {
+    const auto add = [&issues](const Issues &more) {
+      issues.insert(issues.end(), more.begin(), more.end());
+    };
+    add(space->check_boundary(context.times));
+    if (fluid)
+      collect(issues, [&] { fluid->check(context); });
+    for (const auto &writer : writers)
+      collect(issues, [&] { writer->check(context); });
+    for (Expressions<dim> *exact : exact_expressions)
+      add(issues_inside(*space, *exact, end));
+  }
+
+
+  template <int dim>
+  bool
+  Components<dim>::torn(const StructureModel<dim> &model) const
+  {
+    for (const auto &element : model.mesh().elements())
+      for (unsigned int k = 1; k <= model.mesh().structure_dim(); ++k)
+        for (unsigned int a = 0; a < dim; ++a)
+          if (std::abs(model.positions[element.nodes[k]][a] -
+                       model.positions[element.nodes[0]][a]) >
+              space->domain().upper[a] - space->domain().lower[a])
+            return true;
+    return false;
   }
 
 

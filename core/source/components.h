@@ -8,7 +8,6 @@
 #include <feib/refinement_strategy.h>
 #include <feib/time_integrator.h>
 
-#include <deal.II/base/function.h>
 
 #include <memory>
 
@@ -18,7 +17,8 @@ namespace feib
   template <int dim>
   struct Components
   {
-    /// Builds all and checks what a schema cannot. Throws Error with all issues. Collective.
+    /// Builds all, makes the first mesh and checks what a schema cannot. Throws Error with all
+    /// issues. Collective.
     explicit Components(const Parameters &parameters);
 
     typename TimeIntegrator<dim>::System
@@ -39,10 +39,19 @@ namespace feib
     std::unique_ptr<StepControl> control;
     Timers timers;
 
+    /// Whether an element of a structure is longer than the box, as after an unstable step in a
+    /// periodic one.
+    bool torn(const StructureModel<dim> &model) const;
+
   private:
     void build_time(const Parameters &parameters, Issues &issues);
     void build_structures(const Parameters &parameters, Issues &issues);
     void build_outputs(const Parameters &parameters, Issues &issues);
+    void build_exact(const Parameters &parameters, Issues &issues);
+    void make_mesh(const CheckContext<dim> &context, Issues &issues);
+    void check(const CheckContext<dim> &context, double end, Issues &issues);
+
+    std::vector<Expressions<dim> *> exact_expressions; // those of the two that the case gives
   };
 } // namespace feib
 

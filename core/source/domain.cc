@@ -60,7 +60,8 @@ namespace feib
 
   template <int dim>
   Domain<dim>::Domain(const Parameters &parameters)
-    : lower(corner<dim>(parameters, "lower", 0.))
+    : pointer(parameters.pointer())
+    , lower(corner<dim>(parameters, "lower", 0.))
     , upper(corner<dim>(parameters, "upper", 1.))
   {
     for (unsigned int a = 0; a < dim; ++a)
@@ -81,7 +82,7 @@ namespace feib
     double n_cells = 1;
     for (unsigned int a = 0; a < dim; ++a)
       n_cells *= cells[a];
-    if (n_cells > 1e8)
+    if (n_cells > most_cells)
       parameters.fail("cells",
                       "found " + std::to_string(n_cells) +
                         " cells in all, at most 1e8 are allowed");
@@ -147,6 +148,17 @@ namespace feib
                     (faces[2 * a + 1].tight && x[a] >= upper[a] - near);
       }
     return result;
+  }
+
+
+  template <int dim>
+  bool
+  Domain<dim>::time_dependent() const
+  {
+    for (const Face &face : faces)
+      if (face.time_dependent)
+        return true;
+    return false;
   }
 
 

@@ -92,6 +92,27 @@ namespace feib
   }
 
 
+  template <int dim>
+  Issues
+  issues_inside(const EulerianSpace<dim> &space, Expressions<dim> &expressions, const double time)
+  {
+    const dealii::QGauss<dim> points(3);
+    dealii::Vector<double> value(expressions.n_components);
+    expressions.set_time(time);
+    for (const auto &cell : space.cells())
+      for (const dealii::Point<dim> &unit : points.get_points())
+        {
+          dealii::Point<dim> x = cell.lower;
+          for (unsigned int a = 0; a < dim; ++a)
+            x[a] += cell.size[a] * unit[a];
+          expressions.vector_value(x, value);
+        }
+    return expressions.not_finite(space.communicator());
+  }
+
+
+  template Issues issues_inside(const EulerianSpace<2> &, Expressions<2> &, double);
+  template Issues issues_inside(const EulerianSpace<3> &, Expressions<3> &, double);
   template ErrorNorms
   error_norms<2>(const EulerianSpace<2> &, double, dealii::Function<2> &, dealii::Function<2> *);
   template ErrorNorms

@@ -20,6 +20,10 @@ namespace feib
                          double time,
                          dealii::Function<dim> &velocity,
                          dealii::Function<dim> *pressure);
+
+  /// Where expressions are not finite inside of cells at a time. Collective.
+  template <int dim>
+  Issues issues_inside(const EulerianSpace<dim> &space, Expressions<dim> &expressions, double time);
 } // namespace feib
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/eulerian_space.h>
 
+#include "boundary_flux.h"
 #include "velocity_constraints.h"
 
 #include <deal.II/base/mpi.h>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <sstream>
 
 namespace feib
 {
@@ -42,6 +44,34 @@ namespace feib
           sum += hash;
         }
       return dealii::Utilities::MPI::sum(sum, communicator);
+    }
+
+
+    /// Whether the prescribed velocities themselves, and not only their interpolation, carry a net
+    /// flux out of an enclosed box.
+    template <int dim>
+    Issues
+    unbalanced_flux(const Domain<dim> &box,
+                    const BoundaryFlux &interpolated,
+                    const double t,
+                    const MPI_Comm communicator)
+    {
+      // Numbers in cases are given with four digits or more.
+      constexpr double tolerated = 1e-4;
+      if (std::abs(interpolated.net) <= tolerated * interpolated.gross)
+        return {};
+      const BoundaryFlux flux = prescribed_flux(box);
+      for (const auto &face : box.faces)
+        if (face.velocity)
+          face.velocity->not_finite(communicator); // these were no nodes
+      if (std::abs(flux.net) <= tolerated * flux.gross + 3 * flux.error)
+        return {};
+      std::ostringstream message;
+      message << "the prescribed velocities let " << flux.in() << " into the box and " << flux.out()
+              << " out of it, per time, at time " << t
+              << "; a box without outflow needs the same: change them, or give a face the "
+                 "condition outflow";
+      return {{box.pointer + "/boundary", message.str()}};
     }
   } // namespace
 
@@ -164,8 +194,36 @@ namespace feib
   {
     present_time = t;
     dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
-    velocity_constraints = make_velocity_constraints(
-      velocity_dof_handler, cartesian_mapping, box, base_level, relevant_velocity, t);
+    const auto with = [&](const double share) {
+      return make_velocity_constraints(
+        velocity_dof_handler, cartesian_mapping, box, base_level, relevant_velocity, t, share);
+    };
+    velocity_constraints = with(0.);
+    spread_share         = 0;
+    boundary_issues.clear();
+    for (const auto &face : box.faces)
+      if (face.velocity)
+        for (const Issue &issue : face.velocity->not_finite(mpi_communicator))
+          boundary_issues.push_back(issue);
+    if (!boundary_issues.empty() || !box.enclosed())
+      return;
+
+    constexpr double round_off = 1e-13;
+    const BoundaryFlux flux    = interpolated_flux(velocity_dof_handler, box, velocity_constraints);
+    if (std::abs(flux.net) <= round_off * flux.gross)
+      return;
+    boundary_issues = unbalanced_flux(box, flux, t, mpi_communicator);
+    if (!boundary_issues.empty())
+      return;
+    // The net flux is linear in the share that is spread; where no node hangs, the first is right.
+    spread_share         = flux.net / flux.gross;
+    velocity_constraints = with(spread_share);
+    const double left    = interpolated_flux(velocity_dof_handler, box, velocity_constraints).net;
+    if (std::abs(left) > round_off * flux.gross)
+      {
+        spread_share *= flux.net / (flux.net - left);
+        velocity_constraints = with(spread_share);
+      }
   }
 
 
@@ -198,15 +256,43 @@ namespace feib
   void
   EulerianSpace<dim>::set_time(const double t)
   {
-    bool changes = false;
-    for (const auto &face : box.faces)
-      changes = changes || face.time_dependent;
-    if (changes && t != present_time)
+    if (box.time_dependent() && t != present_time)
       {
         make_constraints(t);
         flatten_constraints();
       }
     present_time = t;
+    if (!boundary_issues.empty())
+      throw RunFailure(Error(boundary_issues).what());
+  }
+
+
+  template <int dim>
+  Issues
+  EulerianSpace<dim>::check_boundary(const std::vector<double> &times)
+  {
+    const double present = present_time;
+    Issues issues        = boundary_issues;
+    for (const double t : times)
+      if (issues.empty() && box.time_dependent())
+        {
+          make_constraints(t);
+          issues = boundary_issues;
+        }
+    if (box.time_dependent())
+      {
+        make_constraints(present);
+        flatten_constraints();
+      }
+    return issues;
+  }
+
+
+  template <int dim>
+  double
+  EulerianSpace<dim>::spread_flux() const
+  {
+    return spread_share;
   }
 
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <sstream>
 
 namespace feib
 {
@@ -85,14 +87,14 @@ namespace feib
 
     /// Not for concurrent use: the variables are members.
     template <int dim>
-    class ExpressionFunction : public dealii::Function<dim>
+    class ExpressionFunction : public Expressions<dim>
     {
     public:
       ExpressionFunction(const Parameters &parameters,
                          const std::string &key,
                          const std::vector<std::string> &texts,
                          const Variables variables)
-        : dealii::Function<dim>(texts.size())
+        : Expressions<dim>(texts.size())
         , has_time(variables == Variables::space_time)
         , components(texts.size())
       {
@@ -103,8 +105,10 @@ namespace feib
         values.fill(0.);
         for (std::size_t i = 0; i < texts.size(); ++i)
           {
-            mu::Parser &parser = components[i].parser;
-            parser             = make_parser();
+            components[i].pointer = parameters.pointer() + "/" + place(key, i, texts.size());
+            components[i].text    = texts[i];
+            mu::Parser &parser    = components[i].parser;
+            parser                = make_parser();
             std::string problem;
             try
               {
@@ -130,7 +134,7 @@ namespace feib
       value(const dealii::Point<dim> &p, const unsigned int component = 0) const override
       {
         set_variables(p);
-        return evaluate(component);
+        return evaluate(p, component);
       }
 
       void
@@ -138,20 +142,31 @@ namespace feib
       {
         set_variables(p);
         for (unsigned int i = 0; i < components.size(); ++i)
-          result[i] = evaluate(i);
+          result[i] = evaluate(p, i);
       }
 
+      Issues not_finite(MPI_Comm communicator) override;
+
     private:
+      /// Where a component is not finite.
+      struct Trouble
+      {
+        std::array<double, dim> place;
+        double time, value;
+      };
+
       struct Component
       {
+        std::string pointer, text;
         mu::Parser parser;
         bool constant;
         double value; // when constant
+        std::optional<Trouble> trouble;
       };
 
       const bool has_time;
       mutable std::array<double, dim + 1> values; // the parsers hold pointers to them
-      std::vector<Component> components;
+      mutable std::vector<Component> components;
 
       void
       set_variables(const dealii::Point<dim> &p) const
@@ -163,16 +178,73 @@ namespace feib
       }
 
       double
-      evaluate(const unsigned int i) const
+      evaluate(const dealii::Point<dim> &p, const unsigned int i) const
       {
-        return components[i].constant ? components[i].value : components[i].parser.Eval();
+        Component &component = components[i];
+        const double result  = component.constant ? component.value : component.parser.Eval();
+        if (!std::isfinite(result))
+          {
+            Trouble trouble{{}, this->get_time(), result};
+            std::copy(p.begin_raw(), p.end_raw(), trouble.place.begin());
+            if (!component.trouble || trouble.place < component.trouble->place)
+              component.trouble = trouble;
+          }
+        return result;
       }
     };
+
+
+    template <int dim>
+    Issues
+    ExpressionFunction<dim>::not_finite(const MPI_Comm communicator)
+    {
+      bool any = false;
+      for (const Component &component : components)
+        any = any || component.trouble;
+      Issues issues;
+      if (dealii::Utilities::MPI::max(int(any), communicator) == 0)
+        return issues;
+      for (Component &component : components)
+        {
+          std::vector<double> mine; // place, time, value
+          if (component.trouble)
+            {
+              mine.assign(component.trouble->place.begin(), component.trouble->place.end());
+              mine.push_back(component.trouble->time);
+              mine.push_back(component.trouble->value);
+            }
+          component.trouble.reset();
+          std::vector<double> first;
+          for (const auto &one : dealii::Utilities::MPI::all_gather(communicator, mine))
+            if (!one.empty() &&
+                (first.empty() || std::lexicographical_compare(one.begin(),
+                                                               one.begin() + dim,
+                                                               first.begin(),
+                                                               first.begin() + dim)))
+              first = one;
+          if (first.empty())
+            continue;
+          std::ostringstream message;
+          message << '"' << component.text << "\" is "
+                  << (std::isnan(first[dim + 1]) ? "nan"
+                      : first[dim + 1] > 0       ? "inf"
+                                                 : "-inf")
+                  << (has_time ? " at (" : " at the reference place (");
+          for (unsigned int a = 0; a < dim; ++a)
+            message << (a > 0 ? ", " : "") << first[a];
+          message << ')';
+          if (has_time)
+            message << " and time " << first[dim];
+          message << "; it must be finite there";
+          issues.push_back({component.pointer, message.str()});
+        }
+      return issues;
+    }
   } // namespace
 
 
   template <int dim>
-  std::unique_ptr<dealii::Function<dim>>
+  std::unique_ptr<Expressions<dim>>
   parse_expressions(const Parameters &parameters,
                     const std::string &key,
                     const unsigned int n_components,
@@ -227,8 +299,8 @@ namespace feib
   }
 
 
-  template std::unique_ptr<dealii::Function<2>>
+  template std::unique_ptr<Expressions<2>>
   parse_expressions<2>(const Parameters &, const std::string &, unsigned int, Variables);
-  template std::unique_ptr<dealii::Function<3>>
+  template std::unique_ptr<Expressions<3>>
   parse_expressions<3>(const Parameters &, const std::string &, unsigned int, Variables);
 } // namespace feib

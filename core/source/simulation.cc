@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "boundary_flux.h"
 #include "energy_check.h"
+#include "forecast.h"
 #include "structure_checks.h"
 #include "summary.h"
 #include "verdict.h"
@@ -53,6 +55,8 @@ namespace feib
     public:
       explicit SimulationInDimension(const Parameters &parameters);
 
+      std::string forecast() override;
+
       bool run(const Options &options) override;
 
     private:
@@ -60,6 +64,9 @@ namespace feib
 
       /// Steps, until the end.
       void loop(const Options &options);
+
+      /// Says once that a net flux was spread.
+      void tell_spread_flux();
 
       void refine();
 
@@ -105,6 +112,8 @@ namespace feib
       Verdict verdict;
       RunRecord record;
       double end_time = 0, energy_growth = 0, measure_tolerance = 0;
+      double given_step = 0; // by the case
+      bool flux_told    = false;
       std::unique_ptr<EnergyCheck<dim>> energy_check; // from the initial state on
       std::vector<double> initial_measures;           // of each structure
       double displacement_error = -1;
@@ -123,6 +132,7 @@ namespace feib
       , end_time(parameters.child("time").number("end"))
       , energy_growth(parameters.child("time").number("energy_growth"))
       , measure_tolerance(parameters.child("time").number("measure_tolerance"))
+      , given_step(parameters.child("time").number("step"))
     {}
 
 
@@ -173,14 +183,9 @@ namespace feib
             }
       // A periodic box has no outside: there an unstable run shows in elements longer than the box.
       for (const ImmersedStructure<dim> &structure : parts.structures)
-        for (const auto &element : structure.model->mesh().elements())
-          for (unsigned int k = 1; k <= structure.model->mesh().structure_dim(); ++k)
-            for (unsigned int a = 0; a < dim; ++a)
-              if (std::abs(structure.model->positions[element.nodes[k]][a] -
-                           structure.model->positions[element.nodes[0]][a]) >
-                  parts.space->domain().upper[a] - parts.space->domain().lower[a])
-                throw RunFailure("the structure \"" + structure.model->name() +
-                                 "\" is torn: one of its elements is longer than the box");
+        if (parts.torn(*structure.model))
+          throw RunFailure("the structure \"" + structure.model->name() +
+                           "\" is torn: one of its elements is longer than the box");
       if (!std::isfinite(parts.space->velocity.l2_norm()))
         throw RunFailure("the velocity is not finite");
     }
@@ -190,8 +195,8 @@ namespace feib
     void
     SimulationInDimension<dim>::initialize()
     {
-      adapt();
       parts.fluid->initialize(*parts.space);
+      tell_spread_flux();
       parts.space->old_velocity   = parts.space->velocity;
       parts.space->older_velocity = parts.space->velocity;
       for (ImmersedStructure<dim> &structure : parts.structures)
@@ -541,6 +546,7 @@ namespace feib
           agree(parts.space->communicator(), [&] {
             advance();
             check_momentum();
+            tell_spread_flux();
             if (!control.finished())
               refine();
             record.step_seconds.push_back(seconds_since(step_start));
@@ -586,6 +592,38 @@ namespace feib
       attempt([&] { write_summary(directory, how, message); });
       log::status("");
       log::error(message);
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::tell_spread_flux()
+    {
+      if (flux_told || parts.space->spread_flux() == 0)
+        return;
+      flux_told = true;
+      log::info(spread_flux_text(*parts.space));
+    }
+
+
+    template <int dim>
+    std::string
+    SimulationInDimension<dim>::forecast()
+    {
+      std::string text = size_text(*parts.space, parts.structures);
+      if (parts.space->spread_flux() != 0)
+        text += spread_flux_text(*parts.space) + "\n";
+      const auto limit = parts.integrator->stability_limit(parts.system());
+      if (given_step > limit.dt)
+        text += stability_sentence(given_step) + "\n";
+      else if (std::isfinite(limit.dt))
+        {
+          std::ostringstream line;
+          line << std::setprecision(2) << "the estimated limit of " << parts.integrator_name
+               << " for structure \"" << limit.structure << "\" is dt = " << limit.dt << '\n';
+          text += line.str();
+        }
+      return text;
     }
 
 

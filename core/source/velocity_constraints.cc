@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <unordered_map>
 
 namespace feib
@@ -207,6 +208,33 @@ namespace feib
     };
 
 
+    /// A prescribed velocity on face @p f less a share of what goes out, and with as much more of
+    /// what comes in.
+    template <int dim>
+    class Balanced : public dealii::Function<dim>
+    {
+    public:
+      Balanced(const dealii::Function<dim> &velocity, const unsigned int f, const double share)
+        : dealii::Function<dim>(dim)
+        , velocity(velocity)
+        , component(f / 2)
+        , change(f % 2 == 0 ? share : -share)
+      {}
+
+      void
+      vector_value(const dealii::Point<dim> &p, dealii::Vector<double> &values) const override
+      {
+        velocity.vector_value(p, values);
+        values[component] += change * std::abs(values[component]);
+      }
+
+    private:
+      const dealii::Function<dim> &velocity;
+      const unsigned int component;
+      const double change;
+    };
+
+
     void
     add(const Constraints::ConstraintLine &line, Constraints &constraints)
     {
@@ -291,7 +319,8 @@ namespace feib
                             const Domain<dim> &box,
                             const unsigned int base_level,
                             const dealii::IndexSet &relevant,
-                            const double t)
+                            const double t,
+                            const double share)
   {
     Constraints constraints(relevant);
     Nodes<dim>(handler, box, base_level).constrain(constraints);
@@ -306,14 +335,19 @@ namespace feib
           {
             dealii::ComponentMask mask(dim, condition != BoundaryCondition::free_slip);
             mask.set(f / 2, true);
+            std::optional<Balanced<dim>> velocity;
             if (condition == BoundaryCondition::velocity)
-              box.faces[f].velocity->set_time(t);
-            const dealii::Function<dim> &values =
-              condition == BoundaryCondition::velocity
-                ? *box.faces[f].velocity
-                : static_cast<const dealii::Function<dim> &>(zero);
+              {
+                box.faces[f].velocity->set_time(t);
+                velocity.emplace(*box.faces[f].velocity, f, share);
+              }
             dealii::VectorTools::interpolate_boundary_values(
-              mapping, handler, f, values, constraints, mask);
+              mapping,
+              handler,
+              f,
+              velocity ? static_cast<const dealii::Function<dim> &>(*velocity) : zero,
+              constraints,
+              mask);
           }
     return gather(constraints, handler.locally_owned_dofs(), relevant, handler.get_communicator());
   }
@@ -325,6 +359,7 @@ namespace feib
                             const Domain<2> &,
                             unsigned int,
                             const dealii::IndexSet &,
+                            double,
                             double);
   template dealii::AffineConstraints<double>
   make_velocity_constraints(const dealii::DoFHandler<3> &,
@@ -332,5 +367,6 @@ namespace feib
                             const Domain<3> &,
                             unsigned int,
                             const dealii::IndexSet &,
+                            double,
                             double);
 } // namespace feib

@@ -13,7 +13,8 @@ namespace feib
   /// Hanging nodes, periodicity and boundary conditions at time @p t of the Q2 velocity on the
   /// cells of a box, for the locally @p relevant unknowns and those their constraints lead to;
   /// closed.
-  /// @p base_level: the level of the base cells. Collective.
+  /// @p base_level: the level of the base cells. Of prescribed velocities, what goes out of the box
+  /// is less by the @p share, and what comes in is more by it. Collective.
   ///
   /// Instead of deal.II's functions for hanging nodes and periodicity, whose lines differ between
   /// ranks where a mesh is refined across a periodic boundary, so that
@@ -26,7 +27,8 @@ namespace feib
                             const Domain<dim> &box,
                             unsigned int base_level,
                             const dealii::IndexSet &relevant,
-                            double t);
+                            double t,
+                            double share = 0);
 } // namespace feib
 
 #endif

@@ -263,6 +263,38 @@ namespace feib
   }
 
 
+  /// A number of cells that elements of the structures touch at least, from their measure.
+  template <int dim>
+  double
+  least_touched_cells(const Lattice<dim> &lattice,
+                      const std::vector<ImmersedStructure<dim>> &structures)
+  {
+    // What a plane has in a unit cube at most.
+    constexpr double largest_section = dim == 2 ? 1.415 : 1.3;
+    double result                    = 0;
+    for (const ImmersedStructure<dim> &structure : structures)
+      {
+        const StructureModel<dim> &model = *structure.model;
+        const unsigned int m             = model.mesh().structure_dim();
+        double measure                   = 0;
+        for (const auto &element : model.mesh().elements())
+          {
+            dealii::Tensor<1, dim> edges[dim];
+            for (unsigned int k = 0; k < m; ++k)
+              edges[k] = lattice.scaled(model.positions[element.nodes[k + 1]]) -
+                         lattice.scaled(model.positions[element.nodes[0]]);
+            dealii::Tensor<2, dim> gram;
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+                gram[i][j] = i < m && j < m ? edges[i] * edges[j] : double(i == j);
+            measure += std::sqrt(std::max(0., dealii::determinant(gram))) / (m == 3 ? 6 : m);
+          }
+        result += m == dim ? measure : measure / largest_section;
+      }
+    return result;
+  }
+
+
   /// The mesh that a strategy asks for, as the cells that are split: the same on all ranks, and
   /// balanced by itself, so that the mesh that is asked for is the mesh that comes out.
   template <int dim>
@@ -308,6 +340,14 @@ namespace feib
           for (const Place<dim> &place : places)
             ask_for(l, place);
         }
+    }
+
+    /// Whether the places of so many cells are too many to hold, so that an estimate of their
+    /// number must do.
+    static bool
+    too_large(const double n_cells)
+    {
+      return n_cells > 3e6;
     }
 
     /// Number of active cells of the mesh.

@@ -123,5 +123,5 @@ TEST(BadPlugins, GoodOnesBesideThemBuildACase)
   const RunResult result = run_host("--validate --plugin-path " + shell_quoted(FEIB_BAD_PLUGINS) +
                                     " " + shell_quoted(file));
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ(result.output, file + " is valid\n");
+  EXPECT_EQ(result.output.rfind(file + " is valid\n", 0), 0U) << result.output;
 }

@@ -139,7 +139,7 @@ TEST_F(CommandLine, ValidatesWithoutWriting)
 {
   const RunResult result = host("--validate case.json --output out");
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ(result.output, "case.json is valid\n");
+  EXPECT_EQ(result.output.rfind("case.json is valid\n", 0), 0U) << result.output;
   EXPECT_FALSE(fs::exists(folder / "out"));
   EXPECT_FALSE(fs::exists(folder / "output"));
 }

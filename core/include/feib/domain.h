@@ -2,9 +2,9 @@
 #ifndef feib_domain_h
 #define feib_domain_h
 
+#include <feib/expression.h>
 #include <feib/parameters.h>
 
-#include <deal.II/base/function.h>
 #include <deal.II/base/point.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ namespace feib
     struct Face
     {
       BoundaryCondition condition = BoundaryCondition::no_slip;
-      std::unique_ptr<dealii::Function<dim>> velocity; // of x and t, for condition velocity
+      std::unique_ptr<Expressions<dim>> velocity; // of x and t, for condition velocity
       bool time_dependent = false;
       /// Whether nothing can cross the face: no_slip, free_slip, or a velocity whose component
       /// across the face is the number 0.
@@ -53,6 +53,9 @@ namespace feib
     /// Whether no fluid can cross the boundary freely, so that the pressure is known up to a
     /// constant.
     bool enclosed() const;
+
+    /// Whether a velocity on a face changes with time.
+    bool time_dependent() const;
 
     bool
     periodic(const unsigned int direction) const
@@ -64,6 +67,10 @@ namespace feib
     /// them (within round_off()).
     std::array<bool, dim> held(const dealii::Point<dim> &x) const;
 
+    /// The most cells a mesh may have, refined ones included.
+    static constexpr double most_cells = 1e8;
+
+    std::string pointer; // of the block in the case
     dealii::Point<dim> lower, upper;
     std::array<unsigned int, dim> cells;
     std::array<Face, 2 * dim> faces; // x_min, x_max, y_min, ...

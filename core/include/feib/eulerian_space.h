@@ -81,8 +81,19 @@ namespace feib
     using Mark = std::function<void(dealii::parallel::distributed::Triangulation<dim> &)>;
     bool adapt(const Mark &mark, bool repeat);
 
-    /// Evaluates the velocity boundary conditions at time t.
+    /// Evaluates the velocity boundary conditions at time t. In an enclosed box, a net flux of the
+    /// size of the error of interpolation is spread over what goes in and out, so that there is
+    /// none. Throws RunFailure when a condition is not finite at a node, or when more goes in than
+    /// out. Collective.
     void set_time(double t);
+
+    /// What is wrong with the velocity boundary conditions at the first of these times when
+    /// something is; the same that set_time() refuses. Leaves the present time. Collective.
+    Issues check_boundary(const std::vector<double> &times);
+
+    /// The share of the flux through the boundary that was spread to make the net flux zero; 0:
+    /// none had to be.
+    double spread_flux() const;
 
     // --- flat access to the locally owned cells
 
@@ -148,6 +159,8 @@ namespace feib
     dealii::FE_DGP<dim> pressure_fe;
     dealii::DoFHandler<dim> velocity_dof_handler, pressure_dof_handler;
     dealii::AffineConstraints<double> velocity_constraints;
+    Issues boundary_issues;  // of the present time
+    double spread_share = 0; // of the flux through the boundary
     dealii::IndexSet relevant_velocity;
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> velocity_partitioner,
       pressure_partitioner;

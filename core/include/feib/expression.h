@@ -5,6 +5,7 @@
 #include <feib/parameters.h>
 
 #include <deal.II/base/function.h>
+#include <deal.II/base/mpi.h>
 
 #include <memory>
 
@@ -19,14 +20,27 @@ namespace feib
     reference
   };
 
+  /// Expressions of a case as a function of place and time, which remembers where it was not
+  /// finite.
+  template <int dim>
+  class Expressions : public dealii::Function<dim>
+  {
+  public:
+    using dealii::Function<dim>::Function;
+
+    /// For each component that was not finite somewhere since the last call, the place (the first
+    /// in lexicographic order, whatever the number of ranks) and the time. Collective.
+    virtual Issues not_finite(MPI_Comm communicator) = 0;
+  };
+
   /// The function whose components are the expressions at @p key (muParser syntax; pi, e and the
   /// constants of the case are known). Throws Error at the expression that does not parse, names an
   /// unknown variable, or when there are not @p n_components of them.
   template <int dim>
-  std::unique_ptr<dealii::Function<dim>> parse_expressions(const Parameters &parameters,
-                                                           const std::string &key,
-                                                           unsigned int n_components,
-                                                           Variables variables);
+  std::unique_ptr<Expressions<dim>> parse_expressions(const Parameters &parameters,
+                                                      const std::string &key,
+                                                      unsigned int n_components,
+                                                      Variables variables);
 
   /// Whether any of the expressions at @p key depends on the time.
   bool depends_on_time(const Parameters &parameters, const std::string &key);

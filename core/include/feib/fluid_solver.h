@@ -2,6 +2,7 @@
 #ifndef feib_fluid_solver_h
 #define feib_fluid_solver_h
 
+#include <feib/check_context.h>
 #include <feib/eulerian_space.h>
 #include <feib/implicit_load.h>
 #include <feib/parameters.h>
@@ -51,6 +52,12 @@ namespace feib
     };
 
     virtual ~FluidSolver() = default;
+
+    /// Before a run, when nothing has been written: throws Error with all that the case asks for
+    /// and that cannot be. Collective.
+    virtual void
+    check(const CheckContext<dim> &)
+    {}
 
     /// Sets space.velocity to the initial velocity and space.pressure to zero.
     virtual void initialize(EulerianSpace<dim> &space) = 0;

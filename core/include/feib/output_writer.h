@@ -2,6 +2,7 @@
 #ifndef feib_output_writer_h
 #define feib_output_writer_h
 
+#include <feib/check_context.h>
 #include <feib/eulerian_space.h>
 #include <feib/immersed_structure.h>
 #include <feib/ledger.h>
@@ -29,6 +30,12 @@ namespace feib
     };
 
     virtual ~OutputWriter() = default;
+
+    /// Before a run, when nothing has been written: throws Error with all that the case asks for
+    /// and that cannot be. Collective.
+    virtual void
+    check(const CheckContext<dim> &)
+    {}
 
     /// Steps between two calls of write(); the first and the last state are always written.
     virtual unsigned int interval() const = 0;

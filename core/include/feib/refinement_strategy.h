@@ -2,6 +2,7 @@
 #ifndef feib_refinement_strategy_h
 #define feib_refinement_strategy_h
 
+#include <feib/check_context.h>
 #include <feib/eulerian_space.h>
 #include <feib/immersed_structure.h>
 
@@ -15,6 +16,20 @@ namespace feib
     static constexpr const char *kind = "refinement_strategy";
 
     virtual ~RefinementStrategy() = default;
+
+    /// Before a run, when nothing has been written and space is that of the base cells: throws
+    /// Error with all that the case asks for and that cannot be. Collective.
+    virtual void
+    check(const CheckContext<dim> &)
+    {}
+
+    /// The number of cells of the first mesh, before it is made. Where that is beyond
+    /// Domain::most_cells, a lower estimate which is so too. 0: not known.
+    virtual double
+    forecast_cells(const EulerianSpace<dim> &, const std::vector<ImmersedStructure<dim>> &) const
+    {
+      return 0;
+    }
 
     /// Called once before the calls of mark() that lead to a new mesh. What is wanted because of
     /// the fluid's state must be decided here: mark() would find the same state on the finer cells

@@ -27,9 +27,14 @@ namespace feib
   public:
     virtual ~Simulation() = default;
 
-    /// Builds all components and checks what a schema cannot (structures inside the box,
-    /// expressions, det F > 0, ...). Throws Error with all issues; writes nothing. Collective.
+    /// Builds all components, makes the first mesh and checks what a schema cannot (structures
+    /// inside the box, expressions at the places where they are used, the components' check(),
+    /// ...). Throws Error with all issues; writes nothing. Collective.
     static std::unique_ptr<Simulation> create(const Case &description);
+
+    /// What a run would take: cells, unknowns, memory, structures, limits of the step; lines of
+    /// text. Collective.
+    virtual std::string forecast() = 0;
 
     struct Options
     {

@@ -52,6 +52,8 @@ namespace feib
 
     explicit NavierStokes(const Parameters &parameters);
 
+    void check(const CheckContext<dim> &context) override;
+
     void initialize(Space &space) override;
 
     Report advance(Space &space, const Step &step) override;
@@ -107,6 +109,9 @@ namespace feib
     /// For a new mesh.
     void prepare(const Space &space);
 
+    /// The initial velocity at the nodes, without constraints.
+    VelocityVector interpolated_initial_velocity(const Space &space);
+
     void assemble_body_force(const Space &space, double time);
 
     /// Whether the pressure of the equations is p + rho/2 |u|^2.
@@ -159,9 +164,6 @@ namespace feib
 
     Residual residual(const Space &space, const Step &step, const VelocityVector &fixed_forces);
 
-    /// Throws RunFailure when the box is closed and what goes in does not come out.
-    void check_net_flux(const Space &space, const PressureVector &divergence, double scale) const;
-
     /// Why a step is given up.
     std::string not_converged(const Space &space,
                               const Step &step,
@@ -175,7 +177,7 @@ namespace feib
     const double tolerance;
     const unsigned int max_iterations;
     const bool convects, reconstructs;
-    std::unique_ptr<dealii::Function<dim>> body_force, initial_velocity;
+    std::unique_ptr<Expressions<dim>> body_force, initial_velocity;
     bool body_force_varies = false;
 
     // What is kept from step to step.
@@ -217,6 +219,56 @@ namespace feib
 
 
   template <int dim>
+  VelocityVector
+  NavierStokes<dim>::interpolated_initial_velocity(const Space &space)
+  {
+    VelocityVector result      = space.make_velocity();
+    const unsigned int n_owned = result.locally_owned_size();
+    dealii::Vector<double> value(dim);
+    for (unsigned int c = 0; c < space.cells().size(); ++c)
+      for (unsigned int i = 0; i < n; ++i)
+        {
+          // Nodes are lexicographic at 0, 1/2 and 1 in each direction.
+          dealii::Point<dim> x = space.cells()[c].lower;
+          unsigned int rest    = i;
+          for (unsigned int a = 0; a < dim; ++a, rest /= 3)
+            x[a] += space.cells()[c].size[a] * (rest % 3) / 2.;
+          initial_velocity->vector_value(x, value);
+          for (unsigned int a = 0; a < dim; ++a)
+            if (const unsigned int dof = space.velocity_dofs(c)[a * n + i]; dof < n_owned)
+              result.local_element(dof) = value[a];
+        }
+    return result;
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::check(const CheckContext<dim> &context)
+  {
+    const MPI_Comm communicator = context.space.communicator();
+    Issues issues;
+    if (initial_velocity)
+      {
+        interpolated_initial_velocity(context.space);
+        issues = initial_velocity->not_finite(communicator);
+      }
+    Issues of_force;
+    if (body_force)
+      for (const double t : context.times)
+        if (of_force.empty() && (t == context.times[0] || body_force_varies))
+          {
+            body_force->set_time(t);
+            load_of_body_force<dim>(context.space, *body_force, nullptr);
+            of_force = body_force->not_finite(communicator);
+          }
+    issues.insert(issues.end(), of_force.begin(), of_force.end());
+    if (!issues.empty())
+      throw Error(issues);
+  }
+
+
+  template <int dim>
   void
   NavierStokes<dim>::initialize(Space &space)
   {
@@ -231,24 +283,7 @@ namespace feib
     space.set_time(0.);
     space.velocity = 0.;
     if (initial_velocity)
-      {
-        space.velocity.zero_out_ghost_values();
-        const unsigned int n_owned = space.velocity.locally_owned_size();
-        dealii::Vector<double> value(dim);
-        for (unsigned int c = 0; c < space.cells().size(); ++c)
-          for (unsigned int i = 0; i < n; ++i)
-            {
-              // Nodes are lexicographic at 0, 1/2 and 1 in each direction.
-              dealii::Point<dim> x = space.cells()[c].lower;
-              unsigned int rest    = i;
-              for (unsigned int a = 0; a < dim; ++a, rest /= 3)
-                x[a] += space.cells()[c].size[a] * (rest % 3) / 2.;
-              initial_velocity->vector_value(x, value);
-              for (unsigned int a = 0; a < dim; ++a)
-                if (const unsigned int dof = space.velocity_dofs(c)[a * n + i]; dof < n_owned)
-                  space.velocity.local_element(dof) = value[a];
-            }
-      }
+      space.velocity = interpolated_initial_velocity(space);
     space.distribute(space.velocity, false);
     space.pressure = 0.;
     space.pressure.update_ghost_values();
@@ -278,7 +313,6 @@ namespace feib
         const Norms of = norms(space, r, g);
         if (of.divergence <= tolerance * of.divergence_scale)
           break;
-        check_net_flux(space, g, of.divergence_scale);
         const double weight = 1 / of.divergence_scale;
         solver.solve({space, inertia, rate}, r, g, weight, .5 * tolerance, du, multiplier);
         space.distribute(du, true);
@@ -312,6 +346,8 @@ namespace feib
     body_force->set_time(time);
     body_force_load =
       load_of_body_force(space, *body_force, reconstruction ? &*reconstruction : nullptr);
+    if (const Issues issues = body_force->not_finite(space.communicator()); !issues.empty())
+      throw RunFailure(Error(issues).what());
   }
 
 
@@ -475,24 +511,6 @@ namespace feib
 
 
   template <int dim>
-  void
-  NavierStokes<dim>::check_net_flux(const Space &space,
-                                    const PressureVector &divergence,
-                                    const double scale) const
-  {
-    double flux = 0;
-    for (unsigned int c = 0; c < space.cells().size(); ++c)
-      flux += divergence.local_element(space.pressure_dofs(c)[0]);
-    flux = dealii::Utilities::MPI::sum(flux, space.communicator());
-    if (space.domain().enclosed() && std::abs(flux) > 1e-8 * scale)
-      throw Incurable("the prescribed boundary velocities, as interpolated on this mesh, carry a "
-                      "net flux of " +
-                      std::to_string(flux) +
-                      " out of the box, which is closed: give a face the condition outflow");
-  }
-
-
-  template <int dim>
   std::string
   NavierStokes<dim>::not_converged(const Space &space,
                                    const Step &step,
@@ -555,7 +573,6 @@ namespace feib
 
     Report report;
     Residual present = residual(space, step, fixed);
-    check_net_flux(space, present.divergence, present.norms.divergence_scale);
     const double scale =
       std::max({condensed.l2_norm(), present.implicit_load, present.norms.momentum});
     // What is left of the divergence moves what structures enclose, and costs little to lower.

@@ -30,6 +30,8 @@ namespace
       return steps;
     }
 
+    void check(const feib::CheckContext<dim> &context) override;
+
     void write(const Snapshot &snapshot) override;
 
   private:
@@ -40,6 +42,7 @@ namespace
 
     const std::string name;
     const unsigned int steps;
+    std::vector<std::pair<std::string, dealii::Point<dim>>> given; // with their places in the case
     std::vector<dealii::Point<dim>> points;
     std::ofstream file;
   };
@@ -74,10 +77,14 @@ namespace
     const auto [kind, place] = parameters.child("at").choice();
     if (kind == "points")
       for (unsigned int i = 0; place.has("places/" + std::to_string(i)); ++i)
-        points.push_back(read_point<dim>(place, "places/" + std::to_string(i)));
+        {
+          points.push_back(read_point<dim>(place, "places/" + std::to_string(i)));
+          given.emplace_back(place.pointer() + "/places/" + std::to_string(i), points.back());
+        }
     else
       {
         const auto from = read_point<dim>(place, "from"), to = read_point<dim>(place, "to");
+        given                = {{place.pointer() + "/from", from}, {place.pointer() + "/to", to}};
         const unsigned int n = place.integer("points");
         // A coordinate that both ends share stays what it is.
         for (unsigned int i = 0; i + 1 < n; ++i)
@@ -89,16 +96,26 @@ namespace
 
   template <int dim>
   void
-  Probe<dim>::write(const Snapshot &snapshot)
+  Probe<dim>::check(const feib::CheckContext<dim> &context)
   {
-    for (const dealii::Point<dim> &point : points)
-      if (!snapshot.space.forest().inside(point))
+    feib::Issues issues;
+    for (const auto &[pointer, point] : given)
+      if (!context.space.forest().inside(point))
         {
           std::ostringstream message;
-          message << "the probe \"" << name << "\" is not inside the box: (" << point << ")";
-          throw feib::RunFailure(message.str());
+          message << "is at (" << point << "), the box goes from (" << context.space.domain().lower
+                  << ") to (" << context.space.domain().upper << ')';
+          issues.push_back({pointer, message.str()});
         }
+    if (!issues.empty())
+      throw feib::Error(issues);
+  }
 
+
+  template <int dim>
+  void
+  Probe<dim>::write(const Snapshot &snapshot)
+  {
     const std::vector<double> found = values(snapshot.space);
     std::string trouble;
     if (dealii::Utilities::MPI::this_mpi_process(snapshot.space.communicator()) == 0)

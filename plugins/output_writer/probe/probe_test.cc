@@ -139,10 +139,21 @@ namespace
     std::unique_ptr<OutputWriter<2>> writer;
   };
 
-  TEST(Probe, APointOutsideTheBoxIsAFailureOnAllRanks)
+  TEST(Probe, PointsOutsideTheBoxAreIssuesBeforeARun)
   {
-    Fixture f("[0.5, 1.5]");
-    EXPECT_EQ(f.failure(), "the probe \"a\" is not inside the box: (0.5 1.5)");
+    Fixture f("[0.5, 1.5], [0.5, 0.5], [-1, 0]");
+    try
+      {
+        f.writer->check({*f.space, f.structures, {0.}});
+        FAIL();
+      }
+    catch (const Error &error)
+      {
+        ASSERT_EQ(error.issues().size(), 2U);
+        EXPECT_EQ(error.issues()[0].pointer, "/at/points/places/0");
+        EXPECT_EQ(error.issues()[0].message, "is at (0.5 1.5), the box goes from (0 0) to (1 1)");
+        EXPECT_EQ(error.issues()[1].pointer, "/at/points/places/2");
+      }
   }
 
   TEST(Probe, AFullDiskIsAFailureOnAllRanks)

@@ -10,8 +10,10 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
+#include "data_array.h"
 #include "vtu_schema.h"
 
 namespace
@@ -67,66 +69,73 @@ namespace
     return corners;
   }
 
-  /// A structure at its present place, with its reference coordinates, energy density and
-  /// materials.
-  template <int structure_dim, int dim>
-  class StructureOutput : public DataOutInterface<structure_dim, dim>
+  /// Adds a point, with the three coordinates that VTK wants.
+  template <int dim>
+  void
+  append(std::vector<double> &coordinates, const Point<dim> &point)
   {
-  public:
-    StructureOutput(const feib::LagrangianMesh<dim> &mesh,
-                    const feib::Positions<dim> &X,
-                    const std::vector<double> &energy_density)
-      : patches(mesh.n_elements())
-    {
-      for (unsigned int e = 0; e < mesh.n_elements(); ++e)
-        {
-          const typename feib::LagrangianMesh<dim>::Element &element = mesh.elements()[e];
-          const auto corners   = reference_corners<structure_dim, dim>(element);
-          auto &patch          = patches[e];
-          patch.reference_cell = ReferenceCells::get_simplex<structure_dim>();
-          patch.patch_index    = e;
-          patch.data.reinit(dim + 2, structure_dim + 1);
-          for (unsigned int k = 0; k <= structure_dim; ++k)
-            {
-              patch.vertices[k] = X[element.nodes[k]];
-              for (unsigned int d = 0; d < dim; ++d)
-                patch.data(d, k) = corners[k][d];
-              patch.data(dim, k)     = energy_density[e];
-              patch.data(dim + 1, k) = element.material_id;
-            }
-        }
-    }
+    for (unsigned int d = 0; d < 3; ++d)
+      coordinates.push_back(d < dim ? point[d] : 0.);
+  }
 
-  private:
-    using Range = std::tuple<unsigned int,
-                             unsigned int,
-                             std::string,
-                             DataComponentInterpretation::DataComponentInterpretation>;
+  /// A structure at its present place, with its reference coordinates, energy density and
+  /// materials. Every element has corners of its own: reference coordinates jump across seams.
+  template <int structure_dim, int dim>
+  std::string
+  structure_text(const feib::LagrangianMesh<dim> &mesh,
+                 const feib::Positions<dim> &X,
+                 const std::vector<double> &energy_density,
+                 const double time)
+  {
+    constexpr unsigned int n       = structure_dim + 1;
+    constexpr std::uint8_t types[] = {0, 3, 5, 10}; // VTK_LINE, _TRIANGLE, _TETRA
+    std::vector<double> points, reference, density;
+    std::vector<std::int32_t> connectivity, offsets, materials;
+    for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+      {
+        const typename feib::LagrangianMesh<dim>::Element &element = mesh.elements()[e];
+        const auto corners = reference_corners<structure_dim, dim>(element);
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            append(points, X[element.nodes[k]]);
+            append(reference, corners[k]);
+            density.push_back(energy_density[e]);
+            materials.push_back(element.material_id);
+            connectivity.push_back(n * e + k);
+          }
+        offsets.push_back(n * (e + 1));
+      }
+    using feib::data_array;
+    std::ostringstream text;
+    text << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
+            "compressor=\"vtkZLibDataCompressor\" byte_order=\"LittleEndian\">\n"
+            "<UnstructuredGrid>\n<FieldData>\n"
+         << data_array("TIME", 1, std::vector<double>{time}) << "</FieldData>\n"
+         << "<Piece NumberOfPoints=\"" << n * mesh.n_elements() << "\" NumberOfCells=\""
+         << mesh.n_elements() << "\">\n<Points>\n"
+         << data_array("", 3, points) << "</Points>\n<Cells>\n"
+         << data_array("connectivity", 1, connectivity) << data_array("offsets", 1, offsets)
+         << data_array("types",
+                       1,
+                       std::vector<std::uint8_t>(mesh.n_elements(), types[structure_dim]))
+         << "</Cells>\n<PointData>\n"
+         << data_array("reference", 3, reference) << data_array("energy_density", 1, density)
+         << data_array("material_id", 1, materials)
+         << "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+    return text.str();
+  }
 
-    const std::vector<DataOutBase::Patch<structure_dim, dim>> &
-    get_patches() const override
-    {
-      return patches;
-    }
-
-    std::vector<std::string>
-    get_dataset_names() const override
-    {
-      std::vector<std::string> names(dim, "reference");
-      names.push_back("energy_density");
-      names.push_back("material_id");
-      return names;
-    }
-
-    std::vector<Range>
-    get_nonscalar_data_ranges() const override
-    {
-      return {
-        Range(0, dim - 1, "reference", DataComponentInterpretation::component_is_part_of_vector)};
-    }
-
-    std::vector<DataOutBase::Patch<structure_dim, dim>> patches;
-  };
+  /// deal.II writes all in single precision, which far from the origin does not tell the points of
+  /// a cell apart: this puts others in their place. @p text: a vtu file.
+  void
+  replace_points(std::string &text, const std::vector<double> &points)
+  {
+    const std::string opening = "<Points>", closing = "</Points>";
+    const std::size_t begin = text.find(opening) + opening.size(), end = text.find(closing);
+    if (end == std::string::npos) // a rank without cells
+      return;
+    text.replace(begin, end - begin, "\n" + feib::data_array("", 3, points));
+  }
 
 
   template <int dim>
@@ -185,16 +194,23 @@ namespace
       out.add_data_vector(subdomain, "subdomain", DataOut<dim>::type_cell_data);
       // Lagrange cells of degree 2 hold Q2 fields as they are.
       out.build_patches(space.mapping(), 2, DataOut<dim>::curved_inner_cells);
-      out.set_flags(flags(snapshot, true));
+      DataOutBase::VtkFlags flags(snapshot.time,
+                                  snapshot.step,
+                                  false,
+                                  DataOutBase::VtkFlags::best_speed);
+      flags.write_higher_order_cells = true;
+      out.set_flags(flags);
 
       const std::string name = "fluid_" + Utilities::int_to_string(snapshot.step, 6);
       const auto piece       = [&name](const unsigned int rank) {
         return name + "." + std::to_string(rank) + ".vtu";
       };
-      std::ostringstream text;
-      out.write_vtu(text);
+      std::ostringstream stream;
+      out.write_vtu(stream);
+      std::string text = stream.str();
+      replace_points(text, fluid_points(space));
       const unsigned int rank = Utilities::MPI::this_mpi_process(space.communicator());
-      std::string trouble     = write_file(snapshot.directory + "/" + piece(rank), text.str());
+      std::string trouble     = write_file(snapshot.directory + "/" + piece(rank), text);
       if (rank == 0 && trouble.empty())
         {
           std::vector<std::string> pieces;
@@ -202,7 +218,11 @@ namespace
             pieces.push_back(piece(r));
           std::ostringstream record;
           out.write_pvtu_record(record, pieces);
-          trouble = write_file(snapshot.directory + "/" + name + ".pvtu", record.str());
+          const std::string with_double =
+            std::regex_replace(record.str(),
+                               std::regex("(<PPoints>\\s*<PDataArray type=)\"Float32\""),
+                               "$1\"Float64\"");
+          trouble = write_file(snapshot.directory + "/" + name + ".pvtu", with_double);
           if (trouble.empty())
             trouble = add_to_series(snapshot, "fluid", name + ".pvtu");
         }
@@ -218,24 +238,32 @@ namespace
 
       const std::string name =
         model.name() + "_" + Utilities::int_to_string(snapshot.step, 6) + ".vtu";
-      const std::string text    = model.mesh().structure_dim() == dim
-                                    ? structure_text<dim>(snapshot, model, energy_density)
-                                    : structure_text<dim - 1>(snapshot, model, energy_density);
+      const auto &mesh = model.mesh();
+      const auto &X    = model.positions;
+      const std::string text =
+        mesh.structure_dim() == dim
+          ? structure_text<dim, dim>(mesh, X, energy_density, snapshot.time)
+          : structure_text<dim - 1, dim>(mesh, X, energy_density, snapshot.time);
       const std::string trouble = write_file(snapshot.directory + "/" + name, text);
       return trouble.empty() ? add_to_series(snapshot, model.name(), name) : trouble;
     }
 
-    template <int structure_dim>
-    static std::string
-    structure_text(const Snapshot &snapshot,
-                   const feib::StructureModel<dim> &model,
-                   const std::vector<double> &energy_density)
+    /// The points of the patches, in deal.II's order: cell by cell, lexicographic.
+    static std::vector<double>
+    fluid_points(const feib::EulerianSpace<dim> &space)
     {
-      StructureOutput<structure_dim, dim> out(model.mesh(), model.positions, energy_density);
-      out.set_flags(flags(snapshot, false));
-      std::ostringstream text;
-      out.write_vtu(text);
-      return text.str();
+      std::vector<double> points;
+      points.reserve(3 * feib::EulerianSpace<dim>::n_nodes * space.cells().size());
+      for (const auto &cell : space.cells())
+        for (unsigned int i = 0; i < feib::EulerianSpace<dim>::n_nodes; ++i)
+          {
+            Point<dim> x      = cell.lower;
+            unsigned int rest = i;
+            for (unsigned int a = 0; a < dim; ++a, rest /= 3)
+              x[a] += cell.size[a] * (rest % 3) / 2.;
+            append(points, x);
+          }
+      return points;
     }
 
     /// Rewrites the time series of a name with one more file in it. A reader never sees half a
@@ -255,17 +283,6 @@ namespace
       if (std::rename(temporary_name.c_str(), final_name.c_str()) != 0)
         return "cannot write " + final_name + ": " + std::strerror(errno);
       return "";
-    }
-
-    static DataOutBase::VtkFlags
-    flags(const Snapshot &snapshot, const bool higher_order)
-    {
-      DataOutBase::VtkFlags flags(snapshot.time,
-                                  snapshot.step,
-                                  false,
-                                  DataOutBase::VtkFlags::best_speed);
-      flags.write_higher_order_cells = higher_order;
-      return flags;
     }
 
     const unsigned int steps;

@@ -192,7 +192,7 @@ namespace
       , structure_level(parameters.has("structure_level") ? parameters.integer("structure_level")
                                                           : minimum_level)
       , maximum_cells(parameters.has("maximum_cells") ? parameters.integer("maximum_cells")
-                                                      : std::numeric_limits<std::uint64_t>::max())
+                                                      : feib::Domain<dim>::most_cells)
       , steps(parameters.integer("interval"))
     {
       for (const std::string key : {"minimum_level", "structure_level"})
@@ -212,11 +212,7 @@ namespace
       std::vector<Leaf<dim>> leaves = gather(space);
       const Classes classes         = classify(leaves);
 
-      feib::CellTree<dim> required(space.domain(), minimum_level, maximum_level);
-      if (structure_level > minimum_level)
-        for (const feib::Place<dim> &place :
-             feib::touched_cells(required.lattice(structure_level), structures))
-          required.ask_for(structure_level, place);
+      const feib::CellTree<dim> required = required_tree(space, structures);
 
       // As many classes as there is room for.
       unsigned int n_refined = classes.n_refined;
@@ -246,6 +242,24 @@ namespace
       tree->mark(triangulation, space);
     }
 
+    /// At the start only what is required counts.
+    double
+    forecast_cells(const feib::EulerianSpace<dim> &space,
+                   const std::vector<feib::ImmersedStructure<dim>> &structures) const override
+    {
+      using Lattice = feib::Lattice<dim>;
+      double least  = Lattice(space.domain(), minimum_level).n_cells();
+      if (structure_level > minimum_level)
+        least =
+          std::max(least,
+                   feib::least_touched_cells(Lattice(space.domain(), structure_level), structures));
+      if (feib::CellTree<dim>::too_large(least))
+        return least;
+      feib::CellTree<dim> required = required_tree(space, structures);
+      required.balance();
+      return required.n_cells();
+    }
+
     unsigned int
     interval() const override
     {
@@ -258,6 +272,19 @@ namespace
     {
       unsigned int n_refined, first_coarsened;
     };
+
+    /// What the state of the fluid does not decide.
+    feib::CellTree<dim>
+    required_tree(const feib::EulerianSpace<dim> &space,
+                  const std::vector<feib::ImmersedStructure<dim>> &structures) const
+    {
+      feib::CellTree<dim> required(space.domain(), minimum_level, maximum_level);
+      if (structure_level > minimum_level)
+        for (const feib::Place<dim> &place :
+             feib::touched_cells(required.lattice(structure_level), structures))
+          required.ask_for(structure_level, place);
+      return required;
+    }
 
     /// All cells of all ranks.
     std::vector<Leaf<dim>>

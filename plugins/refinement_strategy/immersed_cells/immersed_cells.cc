@@ -28,13 +28,18 @@ namespace
          const feib::EulerianSpace<dim> &space,
          const std::vector<feib::ImmersedStructure<dim>> &structures) const override
     {
-      feib::CellTree<dim> tree(space.domain(), minimum_level, level);
-      feib::Places<dim> places = feib::touched_cells(tree.lattice(level), structures);
-      tree.lattice(level).dilate(places, buffer);
-      for (const feib::Place<dim> &place : places)
-        tree.ask_for(level, place);
-      tree.balance();
-      tree.mark(triangulation, space);
+      make_tree(space, structures).mark(triangulation, space);
+    }
+
+    double
+    forecast_cells(const feib::EulerianSpace<dim> &space,
+                   const std::vector<feib::ImmersedStructure<dim>> &structures) const override
+    {
+      using Lattice = feib::Lattice<dim>;
+      const double least =
+        std::max<double>(Lattice(space.domain(), minimum_level).n_cells(),
+                         feib::least_touched_cells(Lattice(space.domain(), level), structures));
+      return feib::CellTree<dim>::too_large(least) ? least : make_tree(space, structures).n_cells();
     }
 
     unsigned int
@@ -44,6 +49,19 @@ namespace
     }
 
   private:
+    feib::CellTree<dim>
+    make_tree(const feib::EulerianSpace<dim> &space,
+              const std::vector<feib::ImmersedStructure<dim>> &structures) const
+    {
+      feib::CellTree<dim> tree(space.domain(), minimum_level, level);
+      feib::Places<dim> places = feib::touched_cells(tree.lattice(level), structures);
+      tree.lattice(level).dilate(places, buffer);
+      for (const feib::Place<dim> &place : places)
+        tree.ask_for(level, place);
+      tree.balance();
+      return tree;
+    }
+
     const int level, minimum_level;
     const long buffer;
     const unsigned int steps;

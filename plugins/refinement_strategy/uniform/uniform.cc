@@ -2,6 +2,8 @@
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
 
+#include <cmath>
+
 #include "uniform_schema.h"
 
 namespace
@@ -22,6 +24,16 @@ namespace
       for (const auto &cell : triangulation.active_cell_iterators())
         if (cell->is_locally_owned() && space.level(*cell) < levels)
           cell->set_refine_flag();
+    }
+
+    double
+    forecast_cells(const feib::EulerianSpace<dim> &space,
+                   const std::vector<feib::ImmersedStructure<dim>> &) const override
+    {
+      double n = std::pow(2., dim * levels);
+      for (const unsigned int of_base : space.domain().cells)
+        n *= of_base;
+      return n;
     }
 
     unsigned int

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "support/run_host.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+using namespace feib::testing;
+using nlohmann::json;
+
+namespace
+{
+  /// What only a run used to find: now --validate and the run say the same before anything is
+  /// written.
+  class Validate : public ::testing::Test
+  {
+  protected:
+    static json
+    small()
+    {
+      return json::parse(R"({
+        "dimension": 2,
+        "domain": { "cells": [4, 4], "boundary": {} },
+        "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1 } },
+        "time": { "step": 0.01, "end": 0.02, "integrator": { "lagged_be": {} } } })");
+    }
+
+    static json
+    velocity(const json &value)
+    {
+      return {{"velocity", {{"value", value}}}};
+    }
+
+    static json
+    disc(const double radius = .2)
+    {
+      return {{"hyperelastic",
+               {{"name", "disc"},
+                {"mesh", {{"disc", {{"centre", {.5, .5}}, {"radius", radius}, {"rings", 4}}}}},
+                {"law", {{"neo_hookean", {{"shear_modulus", 1}, {"stress_free", true}}}}}}}};
+    }
+
+    RunResult
+    host(const json &description, const std::string &arguments = "", const unsigned int ranks = 1)
+    {
+      folder.write("case.json", description.dump(1));
+      return run_host("case.json --output out --overwrite " + arguments,
+                      ranks,
+                      folder.path.string());
+    }
+
+    /// One issue per entry: it must hold all the words, and the line a place in the file.
+    void
+    refused(const json &description, const std::vector<std::vector<std::string>> &issues)
+    {
+      std::filesystem::remove_all(folder / "out");
+      const RunResult validated = host(description, "--validate");
+      EXPECT_EQ(validated.exit_code, 2);
+      // The same code says so in a run: once per test will do.
+      if (!compared)
+        {
+          const RunResult run = host(description);
+          EXPECT_EQ(run.exit_code, 2);
+          EXPECT_EQ(validated.output, run.output);
+          compared = true;
+        }
+      EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+      std::istringstream stream(validated.output);
+      std::vector<std::string> lines;
+      for (std::string line; std::getline(stream, line);)
+        lines.push_back(line);
+      ASSERT_EQ(lines.size(), issues.size()) << validated.output;
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        {
+          EXPECT_EQ(lines[i].rfind("case.json:", 0), 0U) << lines[i];
+          for (const std::string &word : issues[i])
+            EXPECT_NE(lines[i].find(word), std::string::npos) << lines[i] << " lacks " << word;
+        }
+    }
+
+    std::string
+    accepted(const json &description)
+    {
+      const RunResult validated = host(description, "--validate");
+      EXPECT_EQ(validated.exit_code, 0) << validated.output;
+      const RunResult run = host(description);
+      EXPECT_EQ(run.exit_code, 0) << run.output;
+      return validated.output;
+    }
+
+    TemporaryFolder folder;
+    bool compared = false;
+  };
+} // namespace
+
+TEST_F(Validate, AFluxMismatchOfTheInterpolationIsSpreadAndSaid)
+{
+  json description                                    = small();
+  description["domain"]["boundary"]["x_min"]          = velocity({"4*y*(1-y)", "0"});
+  description["domain"]["boundary"]["x_max"]          = velocity({"20*y^2*(1-y)^2", "0"});
+  description["fluid"]["navier_stokes"]["convection"] = "none";
+  const std::string said                              = accepted(description);
+  EXPECT_NE(said.find("% more out of the box than in"), std::string::npos) << said;
+  EXPECT_NE(read_file(folder / "out/log.txt").find("% more out of the box than in"),
+            std::string::npos);
+
+  // Where hanging nodes lie on the boundary, too.
+  description["refinement"]                 = {{"immersed_cells", {{"level", 2}}}};
+  json curve                                = disc();
+  curve["hyperelastic"]["initial_position"] = {"s1 - 0.28", "s2"};
+  description["structures"]                 = {curve};
+  accepted(description);
+  EXPECT_EQ(read_json(folder / "out/summary.json")["retries"], 0);
+}
+
+TEST_F(Validate, ARealNetFluxIsRefused)
+{
+  json description                           = small();
+  description["domain"]["boundary"]["x_min"] = velocity({"4*y*(1-y)", "0"});
+  description["domain"]["boundary"]["x_max"] = velocity({"3.9*y*(1-y)", "0"});
+  refused(description, {{"error: /domain/boundary: ", "0.666667 into", "0.65 out of"}});
+  // One face alone.
+  description["domain"]["boundary"].erase("x_max");
+  refused(description, {{"error: /domain/boundary: ", "0.666667 into", " 0 out of"}});
+  // Later than the start.
+  description["domain"]["boundary"]["x_max"] = velocity({"4*y*(1-y)*(1+t)", "0"});
+  refused(description, {{"error: /domain/boundary: ", "at time 0.0"}});
+  // An outflow takes what is left.
+  description["domain"]["boundary"]["y_max"] = {{"outflow", json::object()}};
+  accepted(description);
+}
+
+TEST_F(Validate, AJumpInAProfileIsNoNetFlux)
+{
+  json description                           = small();
+  description["domain"]["boundary"]["x_min"] = velocity({"if(y<0.3,1,0)", "0"});
+  description["domain"]["boundary"]["x_max"] = velocity({"if(y>0.7,1,0)", "0"});
+  accepted(description);
+}
+
+TEST_F(Validate, ANetFluxBetweenTheSamplesEndsTheRunWithItsTime)
+{
+  json description                           = small();
+  description["domain"]["boundary"]["x_min"] = velocity({"4*y*(1-y)", "0"});
+  // 1 but in (0.00099, 0.00101), where none of the times that are tried lies.
+  description["domain"]["boundary"]["x_max"] =
+    velocity({"4*y*(1-y)*(1 + if(abs(t-0.001)<0.00001,1,0))", "0"});
+  description["time"]["step"] = .001;
+  description["time"]["end"]  = .002;
+  EXPECT_EQ(host(description, "--validate").exit_code, 0);
+  const RunResult run = host(description);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.output.find(
+              "/domain/boundary: the prescribed velocities let 0.666667 into the box"),
+            std::string::npos)
+    << run.output;
+  EXPECT_NE(run.output.find("at time 0.001"), std::string::npos) << run.output;
+}
+
+TEST_F(Validate, ExpressionsThatAreNotFiniteAreNamedAllAtOnce)
+{
+  json description                                          = small();
+  description["domain"]["boundary"]["x_min"]                = velocity({"sqrt(y-0.5)", "0"});
+  description["domain"]["boundary"]["x_max"]                = {{"outflow", json::object()}};
+  description["fluid"]["navier_stokes"]["initial_velocity"] = {"0", "1/(x-x)"};
+  description["fluid"]["navier_stokes"]["body_force"]       = {"ln(x-0.5)", "0"};
+  description["exact"] = {{"velocity", {"0", "0"}}, {"pressure", "ln(y-0.5)"}};
+  refused(description,
+          {{"/domain/boundary/x_min/velocity/value/0", "sqrt(y-0.5)", "nan at (0, 0) and time 0"},
+           {"/fluid/navier_stokes/initial_velocity/1", "1/(x-x)", "(0, 0)"},
+           {"/fluid/navier_stokes/body_force/0", "ln(x-0.5)", "nan at (0.0"},
+           {"/exact/pressure", "ln(y-0.5)"}});
+}
+
+TEST_F(Validate, ExpressionsThatBecomeInfiniteAreNamed)
+{
+  json description                           = small();
+  description["domain"]["boundary"]["y_max"] = velocity({"sqrt(0.01-t)", "0"});
+  refused(description,
+          {{"/domain/boundary/y_max/velocity/value/0", "nan at (0, 1) and time 0.01"}});
+  description                                         = small();
+  description["fluid"]["navier_stokes"]["body_force"] = {"0", "sqrt(0.01-t)"};
+  refused(description, {{"/fluid/navier_stokes/body_force/1", "nan", "time 0.01"}});
+
+  // Only nodes count: none lies at x = 1/16 on four cells, but one does on eight.
+  description                                = small();
+  description["domain"]["boundary"]["y_max"] = velocity({"1/(x-0.0625)", "0"});
+  accepted(description);
+  description["refinement"] = {{"uniform", {{"levels", 1}}}};
+  refused(description, {{"/domain/boundary/y_max/velocity/value/0", "inf at (0.0625, 1)"}});
+}
+
+TEST_F(Validate, ExpressionsOfStructuresAreTriedWhereTheyAreUsed)
+{
+  json description = small();
+  json modulus = disc(), fibres = disc(), position = disc(), material = disc();
+  modulus["hyperelastic"]["law"]["neo_hookean"]["shear_modulus"] = "ln(s1-0.5)";
+  fibres["hyperelastic"]["law"]                                  = {
+                                     {"mooney_rivlin_fibres",
+                                      {{"c1", 1}, {"c2", 0}, {"fibre_modulus", 1}, {"fibres", {{"sqrt(s1-0.5)", "0"}}}}}};
+  position["hyperelastic"]["initial_position"] = {"s1 + 0*sqrt(s2-0.5)", "s2"};
+  material["hyperelastic"]["material"]         = "1/(s1-s1)";
+  description["structures"]                    = {modulus, fibres, position, material};
+  refused(description,
+          {{"/structures/0/hyperelastic/law/neo_hookean/shear_modulus", "nan"},
+           {"/structures/1/hyperelastic/law/mooney_rivlin_fibres/fibres/0"},
+           {"/structures/2/hyperelastic/initial_position", "nan"},
+           {"/structures/3/hyperelastic/material", "inf"}});
+}
+
+TEST_F(Validate, ANonFiniteValueBetweenTheSamplesEndsTheRunWithItsPlace)
+{
+  json description                           = small();
+  description["time"]["step"]                = .001;
+  description["time"]["end"]                 = .002;
+  description["domain"]["boundary"]["y_max"] = velocity({"1/(t-0.001)", "0"});
+  description["time"]["control"]             = {{"fixed", {{"minimum_step", .001}}}};
+  EXPECT_EQ(host(description, "--validate").exit_code, 0);
+  RunResult run = host(description);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.output.find(
+              "/domain/boundary/y_max/velocity/value/0: \"1/(t-0.001)\" is inf at (0, 1) and time "
+              "0.001"),
+            std::string::npos)
+    << run.output;
+
+  description["domain"]["boundary"]                   = json::object();
+  description["fluid"]["navier_stokes"]["body_force"] = {"1/(t-0.001)", "0"};
+  run                                                 = host(description);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.output.find("/fluid/navier_stokes/body_force/0: \"1/(t-0.001)\" is inf at ("),
+            std::string::npos)
+    << run.output;
+}
+
+TEST_F(Validate, RefinedCellsCount)
+{
+  json description          = small();
+  description["refinement"] = {{"uniform", {{"levels", 15}}}};
+  refused(description, {{"error: /refinement: ", "1.72e+10 cells", "at most 1e+08"}});
+  description["structures"] = {disc()};
+  description["refinement"] = {{"immersed_cells", {{"level", 15}}}};
+  refused(description, {{"error: /refinement: ", " cells", "at most 1e+08"}});
+  description["refinement"] = {
+    {"error_indicator", {{"maximum_level", 15}, {"structure_level", 15}}}};
+  refused(description, {{"error: /refinement: ", " cells", "at most 1e+08"}});
+  description["refinement"] = {{"error_indicator", {{"maximum_level", 15}, {"minimum_level", 14}}}};
+  refused(description, {{"error: /refinement: ", "4.29e+09 cells"}});
+  // What a level asks for away from structures is not much.
+  description["refinement"] = {{"immersed_cells", {{"level", 4}}}};
+  EXPECT_EQ(host(description, "--validate").exit_code, 0);
+}
+
+TEST_F(Validate, MemoryCounts)
+{
+  json description          = small();
+  description["refinement"] = {{"uniform", {{"levels", 9}}}}; // 4 million cells
+  folder.write("case.json", description.dump(1));
+  const RunResult run =
+    run_command("ulimit -v 4000000; " + host_command() + " case.json --output out",
+                folder.path.string());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.output.find(
+              "/refinement: makes a mesh of about 4.19e+06 cells, which takes at least"),
+            std::string::npos)
+    << run.output;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST_F(Validate, ProbesAndNames)
+{
+  json description = small();
+  const auto probe = [](const std::string &name, const json &at) -> json {
+    return {{"probe", {{"name", name}, {"at", at}}}};
+  };
+  description["output"] = {probe("a", {{"points", {{"places", {{.5, .5}, {1.5, .5}}}}}}),
+                           probe("b",
+                                 {{"segment", {{"from", {0, 0}}, {"to", {0, 2}}, {"points", 3}}}}),
+                           {{"vtu", json::object()}},
+                           {{"vtu", {{"interval", 2}}}}};
+  refused(description,
+          {{"/output/3/vtu: stands here a second time"},
+           {"/output/0/probe/at/points/places/1: is at (1.5 0.5), the box goes from"},
+           {"/output/1/probe/at/segment/to: is at (0 2)"}});
+}
+
+TEST_F(Validate, AStructureLongerThanAPeriodicBoxIsRefused)
+{
+  json description                         = small();
+  description["domain"]["periodic"]        = {"x"};
+  json body                                = disc();
+  body["hyperelastic"]["initial_position"] = {"20*s1", "s2"};
+  description["structures"]                = {body};
+  refused(description, {{"/structures/0/hyperelastic/initial_position: tears the structure"}});
+}
+
+TEST_F(Validate, SaysWhatARunTakes)
+{
+  json description                                                                    = small();
+  description["structures"]                                                           = {disc()};
+  description["structures"][0]["hyperelastic"]["law"]["neo_hookean"]["shear_modulus"] = 1e6;
+  description["time"]["integrator"] = {{"fe_be", json::object()}};
+  const RunResult result            = host(description, "--validate");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  for (const std::string words : {"case.json is valid\n",
+                                  "16 cells, 162 velocity and 48 pressure unknowns, about ",
+                                  " of memory\n",
+                                  "structure \"disc\": 61 nodes, 96 elements with edges of 0.0",
+                                  " times the smallest cells' edge, 0.25\n",
+                                  "dt = 0.01 exceeds the estimated limit ",
+                                  "use lagged_be or dt <= "})
+    EXPECT_NE(result.output.find(words), std::string::npos) << result.output << " lacks " << words;
+}
+
+TEST_F(Validate, TheLedgerSaysWhereAStructureIs)
+{
+  json description                                          = small();
+  description["domain"]["periodic"]                         = {"x"};
+  description["domain"]["boundary"]["y_min"]                = {{"free_slip", json::object()}};
+  description["domain"]["boundary"]["y_max"]                = {{"free_slip", json::object()}};
+  description["fluid"]["navier_stokes"]["initial_velocity"] = {"50", "0"};
+  description["structures"]                                 = {disc()};
+  description["output"]                                     = {{{"ledger_csv", json::object()}}};
+  ASSERT_EQ(host(description).exit_code, 0);
+  std::istringstream lines(read_file(folder / "out/ledger.csv"));
+  std::vector<std::string> names;
+  const auto split = [](const std::string &line) {
+    std::vector<std::string> fields;
+    std::istringstream stream(line);
+    for (std::string field; std::getline(stream, field, ',');)
+      fields.push_back(field);
+    return fields;
+  };
+  std::string line;
+  std::getline(lines, line);
+  names = split(line);
+  for (const double moved : {0., .5, 1.}) // beyond the end of the box
+    {
+      ASSERT_TRUE(std::getline(lines, line));
+      const std::vector<std::string> values = split(line);
+      const auto value                      = [&](const std::string &name) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        EXPECT_NE(found, names.end()) << name;
+        return found == names.end() ? 0. : std::stod(values[found - names.begin()]);
+      };
+      EXPECT_NEAR(value("centroid_x_disc"), .5 + moved, 1e-6);
+      EXPECT_NEAR(value("centroid_y_disc"), .5, 1e-6);
+      EXPECT_NEAR(value("lower_x_disc"), .3 + moved, 1e-6);
+      EXPECT_NEAR(value("upper_x_disc"), .7 + moved, 1e-6);
+      EXPECT_NEAR(value("lower_y_disc"), .3, .01);
+    }
+}
+
+TEST_F(Validate, RanksAgree)
+{
+  json description                           = small();
+  description["domain"]["boundary"]["x_min"] = velocity({"sqrt(y-0.5)", "0"});
+  description["domain"]["boundary"]["y_max"] = velocity({"1/(x-1)", "0"});
+  const RunResult one = host(description, "--validate"), two = host(description, "--validate", 2);
+  EXPECT_EQ(two.exit_code, 2);
+  // What follows is of mpiexec.
+  EXPECT_EQ(two.output.rfind(one.output, 0), 0U) << one.output << two.output;
+}
