@@ -363,6 +363,7 @@ main(int argc, char **argv)
   // The libraries underneath have options of their own with the same names: they get to see none.
   int only_the_name = 1;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);
+  handle_signals(); // MPI may have taken some
   silent = !speaks();
   try
     {
