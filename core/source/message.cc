@@ -71,7 +71,7 @@ namespace feib
         const auto [code, bytes] = character(text, at);
         if (at + std::max(bytes, 1u) > length)
           return result + "...";
-        char escaped[8];
+        char escaped[24];
         if (bytes == 0)
           std::snprintf(escaped, sizeof escaped, "\\x%02x", text[at] & 0xFF);
         else if (acts(code))
