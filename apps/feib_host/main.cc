@@ -2,6 +2,7 @@
 #include "command_line.h"
 
 #include <feib/log.h>
+#include <feib/message.h>
 #include <feib/plugin_loader.h>
 #include <feib/schema.h>
 #include <feib/simulation.h>
@@ -9,7 +10,13 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
@@ -20,14 +27,67 @@ namespace
 {
   using namespace feib;
 
-  volatile std::sig_atomic_t signal_received = 0;
+  /// What asks a program to end: a person, a batch system before or at its limit of time, a
+  /// terminal that is closed.
+  constexpr std::pair<int, const char *> signals[] = {{SIGINT, "INT"},
+                                                      {SIGTERM, "TERM"},
+                                                      {SIGHUP, "HUP"},
+                                                      {SIGUSR1, "USR1"},
+                                                      {SIGUSR2, "USR2"},
+                                                      {SIGXCPU, "XCPU"}};
 
-  /// Asks the run to stop; a second signal ends the program at once.
+  volatile sig_atomic_t signal_received = 0;
+  volatile sig_atomic_t running         = 0;
+  volatile sig_atomic_t silent          = 0; // a rank that does not speak
+
+  /// For handlers of signals, where little is allowed.
+  void
+  say(const char *const text)
+  {
+    if (silent == 0 && write(STDERR_FILENO, text, std::strlen(text)) < 0)
+      return;
+  }
+
+
+  /// Asks the run to stop; before a run, and with a second signal, ends the program at once. XCPU
+  /// comes every second once its limit is reached, and is not meant anew.
   extern "C" void
   on_signal(const int number)
   {
-    signal_received = number;
-    std::signal(number, SIG_DFL);
+    if (running != 0 && signal_received == 0)
+      {
+        signal_received = number;
+        return;
+      }
+    if (running != 0 && number == SIGXCPU)
+      return;
+    say("error: stopped by the signal ");
+    for (const auto &[known, name] : signals)
+      if (known == number)
+        say(name);
+    say(running != 0 ? " at once, the second one\n" : " before the run began\n");
+    _exit(128 + number);
+  }
+
+
+  /// From the first moment. Who started the program with nohup does not want it to end with the
+  /// terminal.
+  void
+  handle_signals()
+  {
+    struct sigaction action = {}, before = {};
+    action.sa_handler = on_signal;
+    action.sa_flags   = SA_RESTART;
+    sigset_t set;
+    sigemptyset(&set);
+    for (const auto &[number, name] : signals)
+      {
+        sigaction(number, nullptr, &before);
+        if (number != SIGHUP || before.sa_handler != SIG_IGN)
+          sigaction(number, &action, nullptr);
+        sigaddset(&set, number);
+      }
+    sigprocmask(SIG_UNBLOCK, &set, nullptr);
   }
 
 
@@ -51,7 +111,7 @@ namespace
   {
     log::status("");
     if (speaks())
-      std::cerr << text << std::flush;
+      std::cerr << readable_lines(text) << std::flush;
   }
 
 
@@ -160,15 +220,65 @@ namespace
   }
 
 
+  /// The summary of a run that ended before it could write one, by what perhaps only this rank has
+  /// met.
+  void
+  leave_summary(const std::string &directory, const std::string &what)
+  {
+    const std::string file = directory + "/summary.json";
+    std::error_code problem;
+    if (std::filesystem::exists(file, problem))
+      return;
+    const std::string part =
+      file + "." + std::to_string(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD));
+    {
+      const nlohmann::ordered_json summary = {{"status", "failed"}, {"message", what}};
+      std::ofstream stream(part);
+      stream << summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    }
+    std::filesystem::rename(part, file, problem);
+  }
+
+
+  /// What an exception says.
+  std::string
+  words(const std::exception_ptr &exception)
+  {
+    try
+      {
+        std::rethrow_exception(exception);
+      }
+    catch (const std::bad_alloc &)
+      {
+        return "out of memory";
+      }
+    catch (const std::exception &failure)
+      {
+        return failure.what();
+      }
+    catch (...)
+      {
+        return "something that is no std::exception was thrown";
+      }
+  }
+
+
   /// Whether the end was reached.
   bool
   run(Simulation &simulation, const CommandLine &command, const Case &description)
   {
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
+    running = 1;
     prepare(command.output, description.resolved());
     log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
-    return simulation.run({command.output, show, stop_requested});
+    try
+      {
+        return simulation.run({command.output, show, stop_requested});
+      }
+    catch (...)
+      {
+        leave_summary(command.output, words(std::current_exception()));
+        throw;
+      }
   }
 
 
@@ -235,7 +345,10 @@ namespace
   give_up(const std::string &what)
   {
     log::status("");
-    std::cerr << "error: " << what << std::endl;
+    if (speaks())
+      log::error(what); // into the file as well
+    else
+      std::cerr << readable_lines("error: " + what) << std::endl;
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
       MPI_Abort(MPI_COMM_WORLD, 1);
     return 1;
@@ -246,9 +359,12 @@ namespace
 int
 main(int argc, char **argv)
 {
+  handle_signals();
   // The libraries underneath have options of their own with the same names: they get to see none.
   int only_the_name = 1;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);
+  handle_signals(); // MPI may have taken some
+  silent = !speaks();
   try
     {
       return execute(CommandLine(argc, argv));
@@ -266,12 +382,8 @@ main(int argc, char **argv)
       log::error(failure.what());
       return 1;
     }
-  catch (const std::bad_alloc &)
+  catch (...)
     {
-      return give_up("out of memory");
-    }
-  catch (const std::exception &failure)
-    {
-      return give_up(failure.what());
+      return give_up(words(std::current_exception()));
     }
 }

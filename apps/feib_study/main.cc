@@ -5,6 +5,7 @@
 #include "table.h"
 
 #include <feib/case.h>
+#include <feib/message.h>
 #include <feib/version.h>
 
 #include <iostream>
@@ -74,12 +75,12 @@ main(int argc, char **argv)
     }
   catch (const Error &error)
     {
-      std::cerr << "error: " << error.what() << std::endl;
+      std::cerr << "error: " << readable_lines(error.what()) << std::endl;
       return 2;
     }
   catch (const std::exception &failure)
     {
-      std::cerr << "error: " << failure.what() << std::endl;
+      std::cerr << "error: " << readable_lines(failure.what()) << std::endl;
       return 1;
     }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "accounts.h"
 
+#include <feib/message.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -204,7 +206,7 @@ namespace feib
       }
     for (const auto &[name, value] : row)
       if (!std::isfinite(value))
-        throw RunFailure("the ledger's " + name + " is not finite at time " + std::to_string(time));
+        throw RunFailure("the ledger's " + name + " is not finite at time " + readable(time));
     return row;
   }
 

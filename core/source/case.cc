@@ -3,6 +3,7 @@
 
 #include <feib/case.h>
 #include <feib/expression.h>
+#include <feib/message.h>
 #include <feib/schema.h>
 
 #include <deal.II/base/mpi.h>
@@ -93,7 +94,7 @@ namespace feib
             const std::string key   = string();
             if (!keys.insert(key).second)
               duplicates.push_back({pointer + pointer_part(key),
-                                    "the key \"" + key + "\" stands here a second time",
+                                    "the key " + quoted(key) + " stands here a second time",
                                     start});
             next();
             ++at; // the colon
@@ -117,9 +118,45 @@ namespace feib
     };
 
 
+    const char *const too_deep_sentence =
+      "objects and arrays are nested more than 100 deep; no case needs that";
+
+
+    /// The first number of a text that is beyond all numbers of the computer: where, and its text.
+    std::optional<std::pair<std::size_t, std::string>>
+    number_out_of_range(const std::string &text)
+    {
+      struct Search : nlohmann::detail::json_sax_acceptor<Json>
+      {
+        std::optional<std::pair<std::size_t, std::string>> found;
+
+        bool
+        parse_error(const std::size_t position,
+                    const std::string &token,
+                    const nlohmann::detail::exception &failure)
+        {
+          if (failure.id == 406)
+            found = std::make_pair(position - token.size(), token);
+          return false;
+        }
+      } search;
+      Json::sax_parse(text, &search, nlohmann::detail::input_format_t::json, true, true);
+      return search.found;
+    }
+
+
+    std::string
+    out_of_range_sentence(const std::string &number)
+    {
+      return "the number " + readable(number, 60) + " is too large; the largest is 1.8e308";
+    }
+
+
     Json
     parse(const std::string &text)
     {
+      if (const auto place = too_deep(text))
+        throw Error(Issues{{"", too_deep_sentence, *place}});
       Json document;
       try
         {
@@ -133,8 +170,10 @@ namespace feib
             message.erase(0, start);
           throw Error(Issues{{"", message, std::max<std::size_t>(failure.byte, 1) - 1}});
         }
-      catch (const Json::exception &failure) // a number out of range
+      catch (const Json::out_of_range &failure)
         {
+          if (const auto number = number_out_of_range(text))
+            throw Error(Issues{{"", out_of_range_sentence(number->second), number->first}});
           throw Error(Issues{{"", failure.what(), 0}});
         }
       Places places(text);
@@ -150,16 +189,22 @@ namespace feib
     {
       if (pointer.empty() || pointer[0] != '/')
         return "a JSON pointer starts with /, e.g. --set /time/step=0.1";
+      if (too_deep(text))
+        return too_deep_sentence;
       Json value = Json::parse(text, nullptr, false);
+      if (value.is_discarded())
+        if (const auto number = number_out_of_range(text))
+          return out_of_range_sentence(number->second);
       if (value.is_discarded())
         value = text;
       try
         {
           value.dump();
+          Json(pointer).dump();
         }
       catch (const Json::exception &)
         {
-          return "the value is not UTF-8 text";
+          return "pointer and value must be UTF-8 text";
         }
 
       Json *place = &document;
@@ -181,8 +226,8 @@ namespace feib
               const bool is_index = !part.empty() && part.size() < 9 &&
                                     part.find_first_not_of("0123456789") == std::string::npos;
               if (!is_index || std::stoul(part) >= place->size())
-                return where + " has " + std::to_string(place->size()) + " entries, no \"" + part +
-                       "\"";
+                return where + " has " + std::to_string(place->size()) + " entries, no " +
+                       quoted(part);
               place = &(*place)[std::stoul(part)];
             }
           else
@@ -214,8 +259,8 @@ namespace feib
           const std::string pointer = "/constants" + pointer_part(name);
           if (!is_identifier(name))
             issues.push_back({pointer,
-                              "\"" + name +
-                                "\" cannot name a constant: letters, digits and underscores are "
+                              quoted(name) +
+                                " cannot name a constant: letters, digits and underscores are "
                                 "allowed, a digit not first"});
           else if (is_expression_word(name))
             issues.push_back({pointer,
@@ -352,23 +397,25 @@ namespace feib
                const std::string &file,
                const Settings &settings)
   {
-    const bool is_syntax_error = Json::parse(text, nullptr, false, true).is_discarded();
+    const bool is_syntax_error =
+      too_deep(text) || Json::parse(text, nullptr, false, true).is_discarded();
     const Places places(is_syntax_error ? "null" : text);
     const auto place = [&](const Issue &issue) {
       if (issue.offset)
-        return file + ":" + position(text, *issue.offset);
+        return readable(file) + ":" + position(text, *issue.offset);
       for (auto setting = settings.rbegin(); setting != settings.rend(); ++setting)
         if (issue.pointer == setting->first || issue.pointer.rfind(setting->first + "/", 0) == 0)
-          return "--set " + setting->first;
+          return "--set " + readable(setting->first, 200);
       std::string pointer = issue.pointer;
       while (places.offsets.count(pointer) == 0)
         pointer.erase(std::min(pointer.rfind('/'), pointer.size()));
-      return file + ":" + position(text, places.offsets.at(pointer));
+      return readable(file) + ":" + position(text, places.offsets.at(pointer));
     };
     std::string lines;
     for (const Issue &issue : issues)
-      lines += place(issue) + ": error: " + (issue.pointer.empty() ? "" : issue.pointer + ": ") +
-               issue.message + "\n";
+      lines += place(issue) +
+               ": error: " + (issue.pointer.empty() ? "" : readable(issue.pointer, 200) + ": ") +
+               readable(issue.message, 4000) + "\n";
     return lines;
   }
 } // namespace feib

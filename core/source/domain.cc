@@ -2,8 +2,12 @@
 #include <feib/domain.h>
 
 #include <feib/expression.h>
+#include <feib/message.h>
 
 #include <deal.II/base/function.h>
+
+#include <cmath>
+#include <limits>
 
 namespace feib
 {
@@ -55,6 +59,31 @@ namespace feib
         }
       return face;
     }
+    /// Cells so flat, or so small beside their coordinates, that arithmetic loses them.
+    template <int dim>
+    void
+    check_cells(const Parameters &parameters,
+                const dealii::Point<dim> &lower,
+                const dealii::Point<dim> &upper,
+                const std::array<unsigned int, dim> &cells)
+    {
+      double shortest = std::numeric_limits<double>::infinity(), longest = 0, far = 0;
+      for (unsigned int a = 0; a < dim; ++a)
+        {
+          const double h = (upper[a] - lower[a]) / cells[a];
+          shortest       = std::min(shortest, h);
+          longest        = std::max(longest, h);
+          far            = std::max({far, std::abs(lower[a]), std::abs(upper[a])});
+        }
+      if (!(longest <= 1e6 * shortest))
+        parameters.fail("cells",
+                        "the cells are from " + readable(shortest) + " to " + readable(longest) +
+                          " long; at most 1e+06 times as long as thick are allowed");
+      if (!(far <= 1e12 * shortest))
+        parameters.fail("cells",
+                        "the cells are " + readable(shortest) + " long, and coordinates up to " +
+                          readable(far) + " cannot tell them apart: move the box to the origin");
+    }
   } // namespace
 
 
@@ -68,8 +97,18 @@ namespace feib
       if (!(lower[a] < upper[a]))
         parameters.fail(parameters.has("upper") ? "upper" : "lower",
                         std::string("the box is empty in ") + direction_names[a] + ": from " +
-                          std::to_string(lower[a]) + " to " + std::to_string(upper[a]) +
+                          readable(lower[a]) + " to " + readable(upper[a]) +
                           "; upper must be greater than lower");
+    // Products of lengths of the order of dim, and their squares, stay finite and positive.
+    constexpr double longest = 1e50;
+    for (unsigned int a = 0; a < dim; ++a)
+      if (!(std::abs(lower[a]) <= longest && std::abs(upper[a]) <= longest &&
+            upper[a] - lower[a] >= 1 / longest))
+        parameters.fail(parameters.has("upper") ? "upper" : "lower",
+                        std::string("the box reaches from ") + readable(lower[a]) + " to " +
+                          readable(upper[a]) + " in " + direction_names[a] +
+                          "; coordinates may be at most 1e+50, and lengths at least 1e-50: "
+                          "choose other units");
 
     const std::vector<int> numbers = parameters.integers("cells");
     if (numbers.size() != dim)
@@ -79,13 +118,14 @@ namespace feib
     for (unsigned int a = 0; a < dim; ++a)
       cells[a] = numbers[a];
 
+    check_cells<dim>(parameters, lower, upper, cells);
+
     double n_cells = 1;
     for (unsigned int a = 0; a < dim; ++a)
       n_cells *= cells[a];
     if (n_cells > most_cells)
       parameters.fail("cells",
-                      "found " + std::to_string(n_cells) +
-                        " cells in all, at most 1e8 are allowed");
+                      "found " + readable(n_cells) + " cells in all, at most 1e8 are allowed");
 
     const std::vector<std::string> periodic_directions = parameters.expressions("periodic");
     for (unsigned int i = 0; i < periodic_directions.size(); ++i)

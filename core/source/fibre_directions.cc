@@ -2,6 +2,7 @@
 #include <feib/fibre_directions.h>
 
 #include <feib/expression.h>
+#include <feib/message.h>
 
 #include <cmath>
 
@@ -48,7 +49,7 @@ namespace feib
               {
                 std::string found;
                 for (unsigned int i = 0; i < dim; ++i)
-                  found += (i ? ", " : "") + std::to_string(point.place[i]);
+                  found += (i ? ", " : "") + readable(point.place[i]);
                 throw Error(pointer + "/" + std::to_string(f),
                             "has no direction in the structure at the reference place (" + found +
                               "); it must be finite and not zero there");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.h"
 
+#include <feib/message.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -37,11 +39,22 @@ namespace feib
 
 
   std::string
+  quoted(const std::string &name)
+  {
+    return "\"" + readable(name, 80) + "\"";
+  }
+
+
+  std::string
   quoted_list(const std::vector<std::string> &names)
   {
     std::string list;
     for (const std::string &name : names)
-      list += (list.empty() ? "\"" : ", \"") + name + "\"";
+      {
+        if (list.size() > 1000)
+          return list + ", ...";
+        list += (list.empty() ? "" : ", ") + quoted(name);
+      }
     return list;
   }
 
@@ -71,6 +84,8 @@ namespace feib
       return row.back();
     };
 
+    if (name.size() > 100)
+      return "";
     std::string best;
     std::size_t best_distance = static_cast<std::size_t>(-1);
     for (const std::string &candidate : names)
@@ -83,6 +98,27 @@ namespace feib
           }
       }
     return best;
+  }
+
+
+  std::optional<std::size_t>
+  too_deep(const std::string &text)
+  {
+    constexpr unsigned int limit = 100;
+    unsigned int depth           = 0;
+    for (std::size_t i = 0; i < text.size(); ++i)
+      if (text[i] == '"')
+        for (++i; i < text.size() && text[i] != '"'; ++i)
+          i += text[i] == '\\';
+      else if (text.compare(i, 2, "//") == 0)
+        i = std::min(text.find('\n', i), text.size());
+      else if (text.compare(i, 2, "/*") == 0)
+        i = std::min(text.find("*/", i + 2), text.size() - 1) + 1;
+      else if ((text[i] == '[' || text[i] == '{') && ++depth > limit)
+        return i;
+      else if ((text[i] == ']' || text[i] == '}') && depth > 0)
+        --depth;
+    return {};
   }
 
 

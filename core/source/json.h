@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace feib
 {
   /// The order of keys is the user's order.
@@ -16,6 +18,9 @@ namespace feib
 
   /// The keys (and indices) a JSON pointer is made of.
   std::vector<std::string> pointer_parts(const std::string &pointer);
+
+  /// A name from outside in quotes, for a message: readable, not longer than a line.
+  std::string quoted(const std::string &name);
 
   /// "a", "b", "c"
   std::string quoted_list(const std::vector<std::string> &names);
@@ -31,6 +36,10 @@ namespace feib
     std::map<std::string, double> constants;
     std::string directory;
   };
+
+  /// Where a text nests objects and arrays deeper than any case does (the limit is 100), or
+  /// nothing. What walks through documents does so by recursion.
+  std::optional<std::size_t> too_deep(const std::string &text);
 
   /// pi and e, which every expression knows.
   std::map<std::string, double> mathematical_constants();

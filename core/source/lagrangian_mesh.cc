@@ -2,6 +2,7 @@
 #include <feib/lagrangian_mesh.h>
 
 #include <feib/error.h>
+#include <feib/message.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,7 @@ namespace feib
     {
       std::string result = "(";
       for (unsigned int i = 0; i < dim; ++i)
-        result += (i ? ", " : "") + std::to_string(x[i]);
+        result += (i ? ", " : "") + readable(x[i]);
       return result + ")";
     }
 

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/error.h>
 #include <feib/log.h>
+#include <feib/message.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <spdlog/sinks/base_sink.h>
-#include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 
 namespace feib::log
@@ -53,6 +57,53 @@ namespace feib::log
     };
 
 
+    /// The file: whole lines, or none any more once one could not be written, which is said.
+    class File : public spdlog::sinks::base_sink<std::mutex>
+    {
+    public:
+      explicit File(const std::string &name)
+        : name(name)
+        , stream(name, std::ios::trunc)
+      {}
+
+      bool
+      good() const
+      {
+        return bool(stream);
+      }
+
+    protected:
+      void
+      sink_it_(const spdlog::details::log_msg &message) override
+      {
+        if (!stream)
+          return;
+        const auto whole = stream.tellp();
+        spdlog::memory_buf_t line;
+        formatter_->format(message, line);
+        stream.write(line.data(), line.size());
+        stream.flush();
+        if (stream)
+          return;
+        // Without the head of a line that did not fit, now or when the stream is closed.
+        stream.close();
+        stream.setstate(std::ios::badbit);
+        std::error_code ignored;
+        if (whole >= 0 && std::filesystem::is_regular_file(name, ignored))
+          std::filesystem::resize_file(name, whole, ignored);
+        std::cerr << "warning: " << name << " cannot be written; it ends here" << std::endl;
+      }
+
+      void
+      flush_() override
+      {}
+
+    private:
+      std::string name;
+      std::ofstream stream;
+    };
+
+
     struct Output
     {
       Output()
@@ -87,7 +138,7 @@ namespace feib::log
     write(const spdlog::level::level_enum level, const std::string &message)
     {
       if (speaks())
-        output().logger.log(level, spdlog::string_view_t(message));
+        output().logger.log(level, spdlog::string_view_t(readable_lines(message)));
     }
   } // namespace
 
@@ -117,17 +168,14 @@ namespace feib::log
   {
     std::string problem;
     if (speaks())
-      try
-        {
-          const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file, true);
-          sink->set_level(std::min(spdlog::level::info, output().console->level()));
-          sink->set_pattern("%Y-%m-%d %H:%M:%S %l: %v");
-          output().logger.sinks().push_back(sink);
-        }
-      catch (const spdlog::spdlog_ex &failure)
-        {
-          problem = failure.what();
-        }
+      {
+        const auto sink = std::make_shared<File>(file);
+        if (!sink->good())
+          problem = file + ": " + std::strerror(errno);
+        sink->set_level(std::min(spdlog::level::info, output().console->level()));
+        sink->set_pattern("%Y-%m-%d %H:%M:%S %l: %v");
+        output().logger.sinks().push_back(sink);
+      }
     problem = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, problem);
     if (!problem.empty())
       throw RunFailure("cannot write the log file: " + problem);

@@ -43,7 +43,8 @@ namespace feib
         misuse(node, key, "is not an integer");
       const double wide = value.get<double>();
       if (wide > std::numeric_limits<int>::max() || wide < std::numeric_limits<int>::min())
-        throw Error(node.pointer + pointer_part(key), "is too large, found " + value.dump());
+        throw Error(node.pointer + pointer_part(key),
+                    "must be an integer from -2147483648 to 2147483647, found " + value.dump());
       return value.get<int>();
     }
 

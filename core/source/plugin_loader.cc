@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #define BOOST_DLL_USE_STD_FS
+#include <feib/message.h>
 #include <feib/plugin.h>
 #include <feib/plugin_loader.h>
 
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 #include <elf.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -18,11 +21,40 @@ namespace feib
 {
   namespace
   {
+    /// What is not a file of bytes, or "". Opening a fifo waits for its writer, and a device acts.
+    std::string
+    check_kind(const std::string &name)
+    {
+      using std::filesystem::file_type;
+      std::error_code problem;
+      switch (std::filesystem::status(name, problem).type())
+        {
+          case file_type::regular:
+            return "";
+          case file_type::not_found:
+            return "is a link to nothing";
+          case file_type::directory:
+            return "is a folder";
+          case file_type::fifo:
+            return "is a fifo, not a file";
+          case file_type::socket:
+            return "is a socket, not a file";
+          case file_type::block:
+          case file_type::character:
+            return "is a device, not a file";
+          default:
+            return "cannot be read" + (problem ? ": " + problem.message() : "");
+        }
+    }
+
+
     /// Whether a file is a whole ELF library. The system's loader maps a truncated one without
     /// looking and dies on the first access beyond its end.
     std::string
     check_file(const std::string &name)
     {
+      if (const std::string problem = check_kind(name); !problem.empty())
+        return problem;
       std::ifstream file(name, std::ios::binary);
       if (!file)
         return "cannot be read";
@@ -45,6 +77,89 @@ namespace feib
               (segment.p_type == PT_LOAD && segment.p_offset + segment.p_filesz > size))
             return "is truncated";
         }
+      return "";
+    }
+
+
+    /// Names the plugin whose code runs when the program ends under it: by std::exit, which runs
+    /// handlers, or by a signal such as abort's. Nothing can see _exit and _Exit.
+    class Watch
+    {
+    public:
+      explicit Watch(const std::string &file)
+      {
+        static const bool registered =
+          std::atexit(at_exit) == 0 && std::at_quick_exit(at_exit) == 0;
+        (void)registered;
+        sentence =
+          "error: the plugin " + readable(file) + " ended the program while it was loaded\n";
+        struct sigaction action = {};
+        action.sa_handler       = on_signal;
+        action.sa_flags         = SA_RESETHAND;
+        for (unsigned int i = 0; i < n_signals; ++i)
+          sigaction(signals[i], &action, &before[i]);
+        active = true;
+      }
+
+      ~Watch()
+      {
+        active = false;
+        for (unsigned int i = 0; i < n_signals; ++i)
+          sigaction(signals[i], &before[i], nullptr);
+      }
+
+      Watch(const Watch &)            = delete;
+      Watch &operator=(const Watch &) = delete;
+
+    private:
+      static constexpr unsigned int n_signals    = 5;
+      static constexpr int signals[n_signals]    = {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE};
+      static inline volatile sig_atomic_t active = false;
+      static inline std::string sentence;
+      struct sigaction before[n_signals];
+
+      static void
+      say()
+      {
+        if (active && write(STDERR_FILENO, sentence.data(), sentence.size()) < 0)
+          return;
+      }
+
+      static void
+      at_exit()
+      {
+        say();
+        if (active)
+          _exit(1);
+      }
+
+      static void
+      on_signal(const int number)
+      {
+        say();
+        raise(number);
+      }
+    };
+
+
+    /// What is wrong with the plain data of a plugin, read before any of its code runs, or "".
+    std::string
+    check_handshake(const FeibPlugin &plugin)
+    {
+      const std::pair<const char *, const char *> texts[] = {{plugin.build_tag, "build tag"},
+                                                             {plugin.name, "name"},
+                                                             {plugin.version, "version"}};
+      for (const auto &[text, what] : texts)
+        {
+          if (text == nullptr)
+            return std::string("has no ") + what + ": it is not a Feib plugin";
+          const std::size_t length = strnlen(text, 256);
+          if (length == 0 || length == 256)
+            return std::string("has a ") + what + (length == 0 ? " without text" : " without end") +
+                   ": it is not a Feib plugin";
+        }
+      if (plugin.add_components == nullptr)
+        return "has no function that adds components: it is not a Feib plugin";
       return "";
     }
 
@@ -103,6 +218,7 @@ namespace feib
       return result;
     try
       {
+        const Watch watch(file);
         libraries->emplace_back(std::filesystem::absolute(file),
                                 boost::dll::load_mode::rtld_now |
                                   boost::dll::load_mode::rtld_local);
@@ -118,11 +234,13 @@ namespace feib
                             "; this is version " + std::to_string(FEIB_ABI) + ": rebuild it";
             return result;
           }
-        result.plugin  = plugin.name;
-        result.version = plugin.version;
+        if ((result.reason = check_handshake(plugin)) != "")
+          return result;
+        result.plugin  = readable(plugin.name);
+        result.version = readable(plugin.version);
         if (std::strcmp(plugin.build_tag, FEIB_BUILD_TAG) != 0)
           {
-            result.reason = std::string("was built with \"") + plugin.build_tag + "\"; this is \"" +
+            result.reason = "was built with \"" + readable(plugin.build_tag) + "\"; this is \"" +
                             FEIB_BUILD_TAG + "\": rebuild it";
             return result;
           }
@@ -141,6 +259,11 @@ namespace feib
       {
         result.reason = failure.what();
         std::replace(result.reason.begin(), result.reason.end(), '\n', ';');
+        result.reason = readable(result.reason);
+      }
+    catch (...)
+      {
+        result.reason = "throws something that is no std::exception while it adds its components";
       }
     return result;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/message.h>
 #include <feib/reference_mesh.h>
 
 #include "gmsh_file.h"
@@ -135,7 +136,7 @@ namespace feib
         if (!(lower[i] < upper[i]))
           block.fail("upper",
                      "must be greater than \"lower\" in every direction, found " +
-                       std::to_string(upper[i]) + " and " + std::to_string(lower[i]));
+                       readable(upper[i]) + " and " + readable(lower[i]));
     }
 
     LagrangianMesh<2>
@@ -170,8 +171,8 @@ namespace feib
       const double inner = block.number("inner_radius"), outer = block.number("outer_radius");
       if (!(inner < outer))
         block.fail("outer_radius",
-                   "must be greater than \"inner_radius\" (" + std::to_string(inner) + "), found " +
-                     std::to_string(outer));
+                   "must be greater than \"inner_radius\" (" + readable(inner) + "), found " +
+                     readable(outer));
       const std::vector<int> n = cells(block, 2);
       if (n[0] < 3)
         block.fail("cells",

@@ -8,6 +8,16 @@
 
 namespace feib
 {
+  namespace
+  {
+    /// What a factory throws that is no sentence for a user, with the component's name.
+    struct ComponentFailure : std::runtime_error
+    {
+      using std::runtime_error::runtime_error;
+    };
+  } // namespace
+
+
   struct Registry::Implementation
   {
     struct Component
@@ -98,7 +108,40 @@ namespace feib
     if (factory == component.factories.end())
       throw Error(parameters.pointer(),
                   "the " + kind + " \"" + name + "\" is not offered for " + signature);
-    return factory->second(parameters);
+    const auto failed = [&](const std::string &what) {
+      const auto &entry = component.entry;
+      return ComponentFailure(
+        parameters.pointer() + ": the " + kind + " \"" + name + "\" cannot be made: " + what +
+        (entry.origin.empty() ? "" : "; it is from the plugin " + entry.origin));
+    };
+    try
+      {
+        return factory->second(parameters);
+      }
+    catch (const Error &)
+      {
+        throw;
+      }
+    catch (const RunFailure &)
+      {
+        throw;
+      }
+    catch (const ComponentFailure &)
+      {
+        throw;
+      }
+    catch (const std::bad_alloc &)
+      {
+        throw;
+      }
+    catch (const std::exception &failure)
+      {
+        throw failed(failure.what());
+      }
+    catch (...)
+      {
+        throw failed("it throws something that is no std::exception");
+      }
   }
 
 

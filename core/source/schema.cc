@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.h"
 
+#include <feib/message.h>
 #include <feib/registry.h>
 #include <feib/schema.h>
 
@@ -39,10 +40,8 @@ namespace feib
         return "an object";
       if (value.is_array() && !value.empty())
         return "an array";
-      std::string text = value.dump();
-      if (text.size() > 60)
-        text = text.substr(0, 57) + "...";
-      return text;
+      const std::string text = readable(value.dump());
+      return text.size() > 60 ? readable(value.dump(), 57) : text;
     }
 
 
@@ -244,7 +243,7 @@ namespace feib
               const std::string &otherwise)
       {
         const std::string guess = nearest(name, known);
-        return what + " \"" + name + "\"; " +
+        return what + " " + quoted(name) + "; " +
                (guess.empty() ? otherwise : "did you mean \"" + guess + "\"?");
       }
 

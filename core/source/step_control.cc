@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "step_control.h"
 
+#include <feib/message.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -27,8 +29,7 @@ namespace feib
     n_steps = std::max(1., std::ceil(end / step - 1e-6));
     if (!(n_steps <= 1e9))
       time.fail("step",
-                "the end is " + std::to_string(end / step) +
-                  " steps away, at most 1e9 are allowed");
+                "the end is " + readable(end / step) + " steps away, at most 1e9 are allowed");
     const auto [name, control] = time.child("control").choice();
     is_adaptive                = name == "adaptive";
     shortest = control.has("minimum_step") ? control.number("minimum_step") : step / 1024;

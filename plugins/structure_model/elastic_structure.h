@@ -5,6 +5,7 @@
 #include <feib/constitutive_law.h>
 #include <feib/expression.h>
 #include <feib/failure.h>
+#include <feib/message.h>
 #include <feib/reference_mesh.h>
 #include <feib/structure_model.h>
 
@@ -205,12 +206,11 @@ namespace feib
         const dealii::Point<dim> &s = reference_mesh.elements()[inverted->element].centroid;
         std::string place;
         for (unsigned int i = 0; i < dim; ++i)
-          place += (i ? ", " : "") + std::to_string(s[i]);
+          place += (i ? ", " : "") + readable(s[i]);
         parameters.fail("initial_position",
                         "inverts element " + std::to_string(inverted->element) +
-                          " at the reference place (" + place +
-                          "): det F = " + std::to_string(inverted->determinant) +
-                          "; the law needs det F > 0 everywhere");
+                          " at the reference place (" + place + "): det F = " +
+                          readable(inverted->determinant) + "; the law needs det F > 0 everywhere");
       }
   }
 
@@ -227,9 +227,9 @@ namespace feib
           {
             std::string place;
             for (unsigned int i = 0; i < dim; ++i)
-              place += (i ? ", " : "") + std::to_string(element.centroid[i]);
+              place += (i ? ", " : "") + readable(element.centroid[i]);
             parameters.fail("material",
-                            "is " + std::to_string(id) + " at the reference place (" + place +
+                            "is " + readable(id) + " at the reference place (" + place +
                               "); it must be 0, 1, 2, ... there");
           }
         ids.push_back(std::lround(id));
@@ -281,8 +281,8 @@ namespace feib
       for (unsigned int i = 0; i < dim; ++i)
         {
           x[i] = X0->value(s, i);
-          place += (i ? ", " : "") + std::to_string(s[i]);
-          value += (i ? ", " : "") + std::to_string(x[i]);
+          place += (i ? ", " : "") + readable(s[i]);
+          value += (i ? ", " : "") + readable(x[i]);
         }
       if (!std::isfinite(x.norm()))
         parameters.fail("initial_position",
@@ -305,9 +305,9 @@ namespace feib
             const double gap       = position(end).distance(X[i]);
             if (gap > 1e-6 * extent)
               parameters.fail("initial_position",
-                              "does not close: s1 = 0 and s1 = " + std::to_string(end[0]) +
+                              "does not close: s1 = 0 and s1 = " + readable(end[0]) +
                                 " are the same place of the mesh " + mesh_name +
-                                ", but their positions are " + std::to_string(gap) + " apart");
+                                ", but their positions are " + readable(gap) + " apart");
           }
     return X;
   }
@@ -429,7 +429,7 @@ namespace feib
     if (const auto inverted = find_inverted(F))
       throw RunFailure("structure " + structure_name + ": element " +
                        std::to_string(inverted->element) +
-                       " is inverted (det F = " + std::to_string(inverted->determinant) +
+                       " is inverted (det F = " + readable(inverted->determinant) +
                        "), where its law has no energy; a smaller time step may help");
     return F;
   }

@@ -4,6 +4,7 @@
 
 #include <feib/error.h>
 #include <feib/lagrangian_mesh.h>
+#include <feib/message.h>
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +47,7 @@ namespace feib
             }
       if (largest <= tolerance)
         return true;
-      history += (history.empty() ? "" : ", ") + std::to_string(largest / tolerance);
+      history += (history.empty() ? "" : ", ") + readable(largest / tolerance);
       // What has not begun to converge by then will not.
       best = count == 0 ? largest : std::min(best, largest);
       if (count == 0)

@@ -3,14 +3,65 @@
 
 #include "core/components.h"
 
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
 using feib::ConstitutiveLaw;
 using feib::testing::Spring;
 using feib::testing::spring_schema;
 
 #if defined(FEIB_TEST_a_good)
 
+namespace
+{
+  /// A law that cannot be made, in the way that its stiffness chooses.
+  template <int structure_dim, int dim>
+  struct Failing : Spring<structure_dim, dim>
+  {
+    explicit Failing(const feib::Parameters &parameters)
+      : Spring<structure_dim, dim>(parameters)
+    {
+      if (parameters.number("c") == 1)
+        throw 1;
+      if (parameters.number("c") == 2)
+        throw std::runtime_error("the table is empty");
+      if (parameters.number("c") == 3)
+        parameters.number("not_in_the_schema");
+      if (parameters.number("c") == 4)
+        throw std::bad_alloc();
+    }
+  };
+
+  /// A law that throws when its stress is asked for, in the way that its stiffness chooses.
+  template <int structure_dim, int dim>
+  struct ThrowingStress : Spring<structure_dim, dim>
+  {
+    using Matrix = typename Spring<structure_dim, dim>::Matrix;
+
+    explicit ThrowingStress(const feib::Parameters &parameters)
+      : Spring<structure_dim, dim>(parameters)
+      , how(parameters.number("c"))
+    {}
+
+    void
+    stress(const std::vector<Matrix> &, std::vector<Matrix> &) const override
+    {
+      if (how == 1)
+        throw 1;
+      if (how == 2)
+        throw std::runtime_error("the table is empty");
+      throw std::bad_alloc();
+    }
+
+    double how;
+  };
+} // namespace
+
 FEIB_PLUGIN("a_good", "1.0", registry)
 {
+  registry.add<ConstitutiveLaw, ThrowingStress>("throwing_stress", spring_schema);
+  registry.add<ConstitutiveLaw, Failing>("failing_law", spring_schema);
   registry.add<ConstitutiveLaw, Spring>("good_law", spring_schema);
 }
 
@@ -72,5 +123,58 @@ FEIB_PLUGIN("throwing", "1.0", registry)
   registry.add<ConstitutiveLaw, Spring>("throwing_law", spring_schema);
   throw std::runtime_error("cannot find the licence key");
 }
+
+#elif defined(FEIB_TEST_throwing_int)
+
+FEIB_PLUGIN("throwing_int", "1.0", registry)
+{
+  registry.add<ConstitutiveLaw, Spring>("throwing_int_law", spring_schema);
+  throw 7;
+}
+
+#elif defined(FEIB_TEST_ending)
+
+// Ends the program in the way that a variable of the environment chooses.
+FEIB_PLUGIN("ending", "1.0", registry)
+{
+  registry.add<ConstitutiveLaw, Spring>("ending_law", spring_schema);
+  const char *const variable = std::getenv("FEIB_TEST_END");
+  const std::string how      = variable != nullptr ? variable : "";
+  if (how == "exit")
+    std::exit(0);
+  else if (how == "quick_exit")
+    std::quick_exit(0);
+  else if (how == "terminate")
+    std::terminate();
+  else if (!how.empty())
+    std::raise(std::stoi(how));
+}
+
+#elif !defined(FEIB_TEST_no_plugin)
+
+// Plain data with a hole.
+[[maybe_unused]] static void
+add_nothing(feib::Registry &)
+{}
+
+#if defined(FEIB_TEST_no_build_tag)
+#define FEIB_TEST_DATA nullptr, "a", "1", &add_nothing
+#elif defined(FEIB_TEST_no_name)
+#define FEIB_TEST_DATA FEIB_BUILD_TAG, nullptr, "1", &add_nothing
+#elif defined(FEIB_TEST_no_version)
+#define FEIB_TEST_DATA FEIB_BUILD_TAG, "a", nullptr, &add_nothing
+#elif defined(FEIB_TEST_no_function)
+#define FEIB_TEST_DATA FEIB_BUILD_TAG, "a", "1", nullptr
+#else
+static char endless[1000] = {1, 2, 3};
+__attribute__((constructor)) static void
+fill()
+{
+  std::memset(endless, 'a', sizeof endless);
+}
+#define FEIB_TEST_DATA FEIB_BUILD_TAG, endless, "1", &add_nothing
+#endif
+extern "C" __attribute__((visibility("default")))
+const FeibPlugin feib_plugin = {FEIB_ABI, FEIB_TEST_DATA};
 
 #endif

@@ -4,6 +4,9 @@
 #include <feib/plugin.h>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <csignal>
 
 using namespace feib::testing;
 
@@ -85,6 +88,162 @@ TEST(BadPlugins, SchemaThatBreaksTheRules)
 TEST(BadPlugins, Throwing)
 {
   EXPECT_EQ(bad("throwing"), "cannot find the licence key");
+}
+
+TEST(BadPlugins, ThrowingWhatIsNoException)
+{
+  EXPECT_EQ(bad("throwing_int"),
+            "throws something that is no std::exception while it adds its components");
+}
+
+TEST(BadPlugins, HolesInThePlainData)
+{
+  EXPECT_EQ(bad("no_build_tag"), "has no build tag: it is not a Feib plugin");
+  EXPECT_EQ(bad("no_name"), "has no name: it is not a Feib plugin");
+  EXPECT_EQ(bad("no_version"), "has no version: it is not a Feib plugin");
+  EXPECT_EQ(bad("no_function"), "has no function that adds components: it is not a Feib plugin");
+  EXPECT_EQ(bad("endless_name"), "has a name without end: it is not a Feib plugin");
+}
+
+TEST(BadPlugins, WhatIsNoFileIsNotOpened)
+{
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "fifo.feib.so").c_str(), 0600), 0);
+  std::filesystem::create_symlink("fifo.feib.so", folder / "link_to_fifo.feib.so");
+  std::filesystem::create_symlink("/dev/zero", folder / "device.feib.so");
+  std::filesystem::create_symlink("nothing", folder / "dangling.feib.so");
+  std::filesystem::create_symlink("loop.feib.so", folder / "loop.feib.so");
+  std::filesystem::create_directory(folder / "folder.feib.so");
+  const std::string output = listed(folder.path.string());
+  const auto why           = [&](const std::string &plugin) {
+    return reason(output, folder.path.string(), plugin);
+  };
+  EXPECT_EQ(why("fifo"), "is a fifo, not a file");
+  EXPECT_EQ(why("link_to_fifo"), "is a fifo, not a file");
+  EXPECT_EQ(why("device"), "is a device, not a file");
+  EXPECT_EQ(why("dangling"), "is a link to nothing");
+  EXPECT_EQ(why("loop").substr(0, 14), "cannot be read");
+  EXPECT_EQ(why("folder"), "is a folder");
+}
+
+namespace
+{
+  RunResult
+  ended(const std::string &how, const unsigned int ranks = 1)
+  {
+    return run_command("export FEIB_TEST_END=" + how + "; " + host_command(ranks) +
+                       " --list-plugins --plugin-path " + shell_quoted(FEIB_BAD_PLUGINS "/ending"));
+  }
+} // namespace
+
+TEST(BadPlugins, EndingTheProgramIsSaid)
+{
+  const std::string sentence = "error: the plugin " FEIB_BAD_PLUGINS
+                               "/ending/ending.feib.so ended the program while it was loaded\n";
+  for (const std::string how : {std::string("exit"),
+                                std::string("quick_exit"),
+                                std::string("terminate"),
+                                std::to_string(SIGABRT),
+                                std::to_string(SIGSEGV),
+                                std::to_string(SIGFPE)})
+    {
+      const RunResult result = ended(how);
+      EXPECT_EQ(result.exit_code,
+                how == "exit" || how == "quick_exit" ? 1
+                : how == "terminate"                 ? 128 + SIGABRT
+                                                     : 128 + std::stoi(how))
+        << result.output;
+      EXPECT_NE(result.output.find(sentence), std::string::npos) << how << ": " << result.output;
+    }
+  EXPECT_EQ(ended("''").exit_code, 0) << "without being told it loads";
+  EXPECT_NE(ended("exit", 2).exit_code, 0);
+}
+
+TEST(BadPlugins, SignalsWhilePluginsAreLoaded)
+{
+  for (const auto &[number, name] : {std::pair<int, std::string>{SIGINT, "INT"},
+                                     {SIGTERM, "TERM"},
+                                     {SIGHUP, "HUP"},
+                                     {SIGUSR1, "USR1"},
+                                     {SIGUSR2, "USR2"},
+                                     {SIGXCPU, "XCPU"}})
+    {
+      const RunResult result = ended(std::to_string(number));
+      EXPECT_EQ(result.exit_code, 128 + number);
+      EXPECT_EQ(result.output, "error: stopped by the signal " + name + " before the run began\n");
+    }
+}
+
+namespace
+{
+  /// A square of a law of these plugins, with its stiffness c.
+  std::string
+  square(const std::string &law, const std::string &c)
+  {
+    return R"({
+      "dimension": 2,
+      "domain": { "cells": [2, 2] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 1 } },
+      "structures": [ { "hyperelastic": { "name": "a", "law": { ")" +
+           law + R"(": { "c": )" + c + R"( } },
+        "mesh": { "rectangle": { "lower": [0.4, 0.4], "upper": [0.6, 0.6], "cells": [1, 1] } } } } ],
+      "time": { "step": 0.1, "end": 0.1 } })";
+  }
+
+  RunResult
+  run_square(const TemporaryFolder &folder,
+             const std::string &law,
+             const std::string &c,
+             const unsigned int ranks)
+  {
+    const std::string file = folder.write("case.json", square(law, c));
+    return run_host("--output " + shell_quoted(folder / "out") + " --plugin-path " +
+                      shell_quoted(FEIB_BAD_PLUGINS) + " " + shell_quoted(file),
+                    ranks);
+  }
+
+  const std::vector<std::pair<std::string, std::string>> ways_of_failing = {
+    {"1", "something that is no std::exception was thrown"},
+    {"2", "the table is empty"},
+    {"4", "out of memory"}};
+} // namespace
+
+TEST(BadPlugins, AComponentThatCannotBeMadeIsNamed)
+{
+  for (const auto &[c, why] : std::vector<std::pair<std::string, std::string>>{
+         {"1", "it throws something that is no std::exception"},
+         {"2", "the table is empty"},
+         {"3",
+          "a component asks for /structures/0/hyperelastic/law/failing_law/not_in_the_schema"}})
+    for (const unsigned int ranks : {1, 2})
+      {
+        const TemporaryFolder folder;
+        const RunResult result = run_square(folder, "failing_law", c, ranks);
+        EXPECT_EQ(result.exit_code, 1) << result.output;
+        for (const std::string part :
+             {std::string("error: /structures/0/hyperelastic"),
+              "/law/failing_law: the constitutive_law \"failing_law\" cannot be made: " + why,
+              std::string("from the plugin " FEIB_BAD_PLUGINS "/a_good.feib.so")})
+          EXPECT_NE(result.output.find(part), std::string::npos) << part << '\n' << result.output;
+        EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+      }
+}
+
+TEST(BadPlugins, WhatALawThrowsLeavesSummaryAndLog)
+{
+  for (const auto &[c, why] : ways_of_failing)
+    for (const unsigned int ranks : {1, 2})
+      {
+        const TemporaryFolder folder;
+        const RunResult result = run_square(folder, "throwing_stress", c, ranks);
+        EXPECT_EQ(result.exit_code, 1) << result.output;
+        EXPECT_NE(result.output.find(why), std::string::npos) << result.output;
+        const auto summary = read_json(folder / "out/summary.json");
+        EXPECT_EQ(summary["status"], "failed");
+        EXPECT_NE(std::string(summary["message"]).find(why), std::string::npos);
+        if (ranks == 1)
+          EXPECT_NE(read_file(folder / "out/log.txt").find(why), std::string::npos);
+      }
 }
 
 TEST(BadPlugins, NotALibrary)

@@ -203,17 +203,43 @@ TEST_F(CommandLine, AFolderThatCannotBeMadeIsARunTimeFailure)
 
 TEST_F(CommandLine, ASignalEndsTheRunInOrder)
 {
+  for (const std::string signal : {"TERM", "INT", "HUP", "USR1", "USR2", "XCPU"})
+    {
+      const RunResult result = run_command(
+        host_command() + " case.json --overwrite --output " + signal +
+          " --set /time/step=1e-4 --set /time/end=1e4 --set /output=[] & pid=$!; until [ -e " +
+          signal + "/log.txt ]; do kill -0 $pid || exit 99; done; kill -" + signal +
+          " $pid; wait $pid",
+        folder.path.string());
+      EXPECT_EQ(result.exit_code, 1) << result.output;
+      EXPECT_TRUE(holds(result.output, "stopped by")) << result.output;
+      EXPECT_TRUE(holds(read_file(folder / (signal + "/log.txt")), "error: stopped by"));
+      EXPECT_TRUE(holds(result.output, "\nstopped, results in " + signal + "\n")) << result.output;
+      EXPECT_EQ(read_json(folder / (signal + "/summary.json"))["status"], "stopped");
+    }
+}
+
+TEST_F(CommandLine, ASignalToOneOfTwoRanksEndsTheRunInOrder)
+{
+  // The first child of mpiexec: to whichever rank the signal goes, both stop.
   const RunResult result = run_command(
-    host_command() +
+    host_command(2) +
       " case.json --output out --set /time/step=1e-4 --set /time/end=1e4 --set /output=[] & "
-      "pid=$!; "
-      "until [ -e out/log.txt ]; do kill -0 $pid || exit 99; done; kill -TERM $pid; wait $pid",
+      "pid=$!; until [ -e out/log.txt ]; do kill -0 $pid || exit 99; done; "
+      "set -- $(cat /proc/$pid/task/$pid/children); kill -USR1 $1; wait $pid",
     folder.path.string());
   EXPECT_EQ(result.exit_code, 1) << result.output;
-  EXPECT_TRUE(holds(result.output, "stopped by")) << result.output;
-  EXPECT_TRUE(holds(read_file(folder / "out/log.txt"), "error: stopped by"));
-  EXPECT_TRUE(holds(result.output, "\nstopped, results in out\n")) << result.output;
   EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "stopped");
+}
+
+TEST_F(CommandLine, ALogThatCannotBeWrittenIsSaid)
+{
+  std::filesystem::create_directory(folder / "out");
+  std::filesystem::create_symlink("/dev/full", folder / "out/log.txt");
+  const RunResult result = host("case.json --overwrite --output out");
+  EXPECT_TRUE(holds(result.output, "warning: out/log.txt cannot be written; it ends here"))
+    << result.output;
+  EXPECT_EQ(read_json(folder / "out/summary.json")["steps"], 1);
 }
 
 TEST_F(CommandLine, ShowsProgressOnATerminal)
