@@ -10,7 +10,7 @@
 
 /// Counts the changes of the interfaces. A plugin built against another number is refused: with
 /// reordered virtual functions it would compute wrong numbers without any error.
-#define FEIB_ABI 4
+#define FEIB_ABI 5
 
 #define FEIB_STRINGIZE_(x) #x
 #define FEIB_STRINGIZE(x) FEIB_STRINGIZE_(x)
