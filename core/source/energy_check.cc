@@ -2,6 +2,7 @@
 #include "energy_check.h"
 
 #include <feib/failure.h>
+#include <feib/message.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +82,7 @@ namespace feib
     const double unexplained = std::abs(totals.unexplained[s]);
     if (unexplained > allowed * totals.elastic_work[s] + round_off(s))
       throw Incurable("the load of the structure \"" + model.name() + "\" has done a work of " +
-                      std::to_string(totals.elastic_work[s]) + ", " +
+                      readable(totals.elastic_work[s]) + ", " +
                       percent(unexplained / totals.elastic_work[s]) +
                       " of which no change of its energy explains: the stress of its law is not "
                       "the derivative of its energy");
@@ -89,7 +90,7 @@ namespace feib
     const double energy = model.energy(model.positions);
     if (energy < std::min(0., initial_energy[s]) - 2 * (std::abs(initial_energy[s]) + stiffness[s]))
       throw Incurable("the elastic energy of the structure \"" + model.name() + "\" falls to " +
-                      std::to_string(energy) + " from " + std::to_string(initial_energy[s]) +
+                      readable(energy) + " from " + readable(initial_energy[s]) +
                       ": its law gives energy without end");
   }
 

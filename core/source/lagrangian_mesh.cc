@@ -4,8 +4,11 @@
 #include <feib/error.h>
 #include <feib/message.h>
 
+#include <deal.II/base/numbers.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 namespace feib
@@ -72,10 +75,11 @@ namespace feib
     /// @p simplex may be turned to positive orientation.
     template <int dim>
     Element<dim>
-    make_element(Simplex<dim> &simplex, const unsigned int m, const std::string &name)
+    make_element(Simplex<dim> &simplex, const unsigned int m)
     {
       Element<dim> element;
       element.material_id = simplex.material_id;
+      element.number      = simplex.number;
       element.diameter    = 0;
       for (unsigned int k = 0; k <= m; ++k)
         {
@@ -95,7 +99,8 @@ namespace feib
         }
       element.measure = determinant(edges) / (m == 3 ? 6 : m);
       if (!has_frame || !(element.measure > 1e-12 * std::pow(element.diameter, m)))
-        throw Error(name + " at " + text(element.centroid) + " is degenerate: its corners lie " +
+        throw Error("element " + std::to_string(element.number) + " at " +
+                    text(element.centroid) + " is degenerate: its corners lie " +
                     (m == 1   ? "in one point"
                      : m == 2 ? "on one line"
                               : "in one plane"));
@@ -142,9 +147,10 @@ namespace feib
             ++n;
           if (n > 2)
             throw Error(std::to_string(n) + " elements share one face (elements " +
-                        std::to_string(sides[i].second) + ", " +
-                        std::to_string(sides[i + 1].second) + ", " +
-                        std::to_string(sides[i + 2].second) + "); at most 2 may");
+                        std::to_string(simplices[sides[i].second].number) + ", " +
+                        std::to_string(simplices[sides[i + 1].second].number) + ", " +
+                        std::to_string(simplices[sides[i + 2].second].number) +
+                        "); at most 2 may");
           faces.push_back({sides[i].first,
                            {{sides[i].second, n == 2 ? sides[i + 1].second : invalid}},
                            {{invalid, invalid}}});
@@ -153,9 +159,24 @@ namespace feib
       return faces;
     }
 
-    /// Turns the elements of a curve or surface so that neighbours agree, where that is possible.
+    /// From which side an element of a body sees the face opposite its vertex @p k: the sign of the
+    /// permutation that sorts the face's nodes, with that of the face in the element.
     template <int dim>
-    void
+    bool
+    side(const Element<dim> &element, const unsigned int k)
+    {
+      bool result = k % 2;
+      for (unsigned int i = 0; i <= dim; ++i)
+        for (unsigned int j = 0; j < i; ++j)
+          if (i != k && j != k && element.nodes[j] > element.nodes[i])
+            result = !result;
+      return result;
+    }
+
+    /// Turns the elements of a curve or surface so that neighbours agree; false where that is not
+    /// possible: it has one side only.
+    template <int dim>
+    bool
     orient(std::vector<Simplex<dim>> &simplices,
            const std::vector<Face<dim>> &faces,
            const unsigned int m)
@@ -175,6 +196,7 @@ namespace feib
             faces_of[e].push_back(f);
       std::vector<bool> known(simplices.size(), false);
       std::vector<unsigned int> front;
+      bool two_sides = true;
       for (unsigned int first = 0; first < simplices.size(); ++first)
         {
           if (known[first])
@@ -189,9 +211,13 @@ namespace feib
                 {
                   const auto &pair         = faces[f].elements;
                   const unsigned int other = pair[pair[0] == e];
+                  const bool agree = direction(e, faces[f]) != direction(other, faces[f]);
                   if (known[other])
-                    continue;
-                  if (direction(e, faces[f]) == direction(other, faces[f]))
+                    {
+                      two_sides = two_sides && agree;
+                      continue;
+                    }
+                  if (!agree)
                     {
                       std::swap(simplices[other].nodes[0], simplices[other].nodes[1]);
                       std::swap(simplices[other].corners[0], simplices[other].corners[1]);
@@ -201,6 +227,63 @@ namespace feib
                 }
             }
         }
+      return two_sides;
+    }
+
+    /// How often the closed part of a curve or surface goes round a place: the sum of the angles
+    /// (3D: solid angles, by the formula of van Oosterom and Strackee) of its elements, over that
+    /// of the circle or sphere.
+    template <int dim>
+    double
+    winding_number(const std::vector<std::array<unsigned int, dim>> &part,
+                   const Positions<dim> &X,
+                   const Point<dim> &place)
+    {
+      double sum = 0;
+      for (const auto &nodes : part)
+        {
+          Tensor<2, dim> v;
+          for (unsigned int k = 0; k < dim; ++k)
+            v[k] = X[nodes[k]] - place;
+          double cosine = v[0] * v[1];
+          if constexpr (dim == 3)
+            {
+              const double a = v[0].norm(), b = v[1].norm(), c = v[2].norm();
+              cosine = a * b * c + (v[0] * v[1]) * c + (v[1] * v[2]) * a + (v[2] * v[0]) * b;
+            }
+          sum += std::atan2(determinant(v), cosine);
+        }
+      return sum / (2 * dealii::numbers::PI); // a solid angle is twice the angle summed
+    }
+
+    /// Whether most of some nodes of @p part lie inside @p other.
+    template <int dim>
+    bool
+    is_inside(const std::vector<std::array<unsigned int, dim>> &part,
+              const std::vector<std::array<unsigned int, dim>> &other,
+              const Positions<dim> &X)
+    {
+      const std::size_t n = std::min<std::size_t>(part.size(), 9);
+      double sum          = 0;
+      for (std::size_t i = 0; i < n; ++i)
+        sum += std::abs(winding_number<dim>(other, X, X[part[i * part.size() / n][0]]));
+      return sum > n / 2.;
+    }
+
+    /// The measure that a closed part encloses, positive when its normals point outward.
+    template <int dim>
+    double
+    enclosed(const std::vector<std::array<unsigned int, dim>> &part, const Positions<dim> &X)
+    {
+      double sum = 0;
+      for (const auto &nodes : part)
+        {
+          Tensor<2, dim> edges;
+          for (unsigned int k = 0; k < dim; ++k)
+            edges[k] = X[nodes[k]] - X[part[0][0]];
+          sum += determinant(edges) / (dim == 2 ? 2 : 6);
+        }
+      return sum;
     }
   } // namespace
 
@@ -215,39 +298,120 @@ namespace feib
     std::vector<Simplex> simplices = given;
     std::vector<bool> used(node_places.size(), false);
     for (unsigned int e = 0; e < simplices.size(); ++e)
-      for (unsigned int k = 0; k <= m; ++k)
-        {
-          AssertIndexRange(simplices[e].nodes[k], node_places.size());
-          used[simplices[e].nodes[k]] = true;
-          for (unsigned int l = 0; l < k; ++l)
-            if (simplices[e].nodes[k] == simplices[e].nodes[l])
-              throw Error("element " + std::to_string(e) + " is degenerate: it has node " +
-                          std::to_string(simplices[e].nodes[k]) + " twice");
-        }
+      {
+        if (simplices[e].number == unnumbered)
+          simplices[e].number = e;
+        for (unsigned int k = 0; k <= m; ++k)
+          {
+            AssertIndexRange(simplices[e].nodes[k], node_places.size());
+            used[simplices[e].nodes[k]] = true;
+            for (unsigned int l = 0; l < k; ++l)
+              if (simplices[e].nodes[k] == simplices[e].nodes[l])
+                throw Error("element " + std::to_string(simplices[e].number) +
+                            " is degenerate: it has the node at " +
+                            text(node_places[simplices[e].nodes[k]]) + " twice");
+          }
+      }
     for (unsigned int i = 0; i < used.size(); ++i)
       if (!used[i])
         throw Error("node " + std::to_string(i) + " at " + text(node_places[i]) +
                     " belongs to no element");
 
     face_list = make_faces<dim>(simplices, m);
-    if (m < dim)
-      orient<dim>(simplices, face_list, m);
+    is_closed = std::none_of(face_list.begin(), face_list.end(), [](const Face &face) {
+      return face.at_boundary();
+    });
+    if (m < dim && !orient<dim>(simplices, face_list, m) && is_closed)
+      throw Error("the surface has one side only (like the bottle of Klein): it encloses nothing");
     element_list.reserve(simplices.size());
-    for (unsigned int e = 0; e < simplices.size(); ++e)
-      element_list.push_back(make_element<dim>(simplices[e], m, "element " + std::to_string(e)));
+    for (Simplex &simplex : simplices)
+      element_list.push_back(make_element<dim>(simplex, m));
+    find_opposite_vertices();
+    if (m == dim)
+      for (const Face &face : face_list)
+        if (!face.at_boundary())
+          {
+            const Element &first = element_list[face.elements[0]];
+            const Element &other = element_list[face.elements[1]];
+            if (side<dim>(first, face.opposite[0]) == side<dim>(other, face.opposite[1]))
+              throw Error("elements " + std::to_string(first.number) + " and " +
+                          std::to_string(other.number) + " at " + text(first.centroid) +
+                          " lie on the same side of the face they share: they overlap, or the "
+                          "mesh is folded there");
+          }
+    find_facets();
+  }
 
-    is_closed = true;
+  template <int dim>
+  void
+  LagrangianMesh<dim>::find_opposite_vertices()
+  {
     for (Face &face : face_list)
+      for (unsigned int side = 0; side < 2; ++side)
+        if (face.elements[side] != invalid)
+          for (unsigned int k = 0; k <= m; ++k)
+            if (std::find(face.nodes.begin(),
+                          face.nodes.begin() + m,
+                          element_list[face.elements[side]].nodes[k]) == face.nodes.begin() + m)
+              face.opposite[side] = k;
+  }
+
+  template <int dim>
+  std::vector<unsigned int>
+  LagrangianMesh<dim>::parts() const
+  {
+    // The smallest element of each part stands for it while parts are joined.
+    std::vector<unsigned int> parent(element_list.size()), result(element_list.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto root = [&](unsigned int e) {
+      while (parent[e] != e)
+        e = parent[e] = parent[parent[e]];
+      return e;
+    };
+    for (const Face &face : face_list)
+      if (!face.at_boundary())
+        {
+          const auto [low, high] = std::minmax(root(face.elements[0]), root(face.elements[1]));
+          parent[high]           = low;
+        }
+    for (unsigned int e = 0, n = 0; e < result.size(); ++e)
+      result[e] = parent[e] == e ? n++ : result[root(e)];
+    return result;
+  }
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::turn(Element &element)
+  {
+    std::swap(element.nodes[0], element.nodes[1]);
+    std::swap(element.shape_gradients[0], element.shape_gradients[1]);
+  }
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::orient_closed_parts(const Positions<dim> &X)
+  {
+    if (m == dim || !is_closed)
+      return;
+    const std::vector<unsigned int> part_of = parts();
+    std::vector<std::vector<Facet>> facets;
+    for (unsigned int e = 0; e < element_list.size(); ++e)
       {
-        is_closed = is_closed && !face.at_boundary();
-        for (unsigned int side = 0; side < 2; ++side)
-          if (face.elements[side] != invalid)
-            for (unsigned int k = 0; k <= m; ++k)
-              if (std::find(face.nodes.begin(),
-                            face.nodes.begin() + m,
-                            element_list[face.elements[side]].nodes[k]) == face.nodes.begin() + m)
-                face.opposite[side] = k;
+        facets.resize(std::max<std::size_t>(facets.size(), part_of[e] + 1));
+        facets[part_of[e]].push_back(surface_facets[e]);
       }
+    std::vector<bool> turned(facets.size());
+    for (unsigned int p = 0; p < facets.size(); ++p)
+      {
+        turned[p] = enclosed<dim>(facets[p], X) < 0;
+        for (unsigned int q = 0; q < facets.size(); ++q)
+          if (q != p && is_inside<dim>(facets[p], facets[q], X))
+            turned[p] = !turned[p];
+      }
+    for (unsigned int e = 0; e < element_list.size(); ++e)
+      if (turned[part_of[e]])
+        turn(element_list[e]);
+    find_opposite_vertices();
     find_facets();
   }
 

@@ -7,6 +7,7 @@
 #include <deal.II/base/tensor.h>
 
 #include <array>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -40,7 +41,9 @@ namespace feib
       std::array<unsigned int, dim + 1> nodes;
       std::array<dealii::Point<dim>, dim + 1> corners;
       unsigned int material_id = 0;
+      std::uint64_t number     = unnumbered; // its number in the file it comes from
     };
+    static constexpr std::uint64_t unnumbered = static_cast<std::uint64_t>(-1);
 
     /// A face between two elements, or on the boundary (elements[1] == invalid). The face lies
     /// opposite the local vertex opposite[k] of elements[k]; its m nodes come in nodes.
@@ -65,14 +68,16 @@ namespace feib
       double measure;                                // reference length, area or volume
       double diameter;                               // longest reference edge
       unsigned int material_id;
+      std::uint64_t number; // for messages: its number in the file, or its index
     };
 
     LagrangianMesh() = default;
 
     /// @p node_places: the reference coordinates of each node. Elements of dimension m = dim are
     /// oriented to positive measure, those of a curve or surface like their neighbours. Throws
-    /// Error for a degenerate element, for a node without element and for a face of more than two
-    /// elements.
+    /// Error for a degenerate element, for a node without element, for a face of more than two
+    /// elements, for two elements on one side of a face of a body, and for a closed surface that
+    /// has one side only.
     LagrangianMesh(unsigned int structure_dim,
                    std::vector<dealii::Point<dim>> node_places,
                    const std::vector<Simplex> &simplices);
@@ -100,6 +105,14 @@ namespace feib
     /// Gives each element its material id, one per element.
     void set_materials(const std::vector<unsigned int> &material_ids);
 
+    /// The part that each element belongs to, 0, 1, ...: a part is connected through faces.
+    std::vector<unsigned int> parts() const;
+
+    /// Turns the parts of a closed curve or surface whose nodes are at @p X so that normals point
+    /// out of what it encloses: what lies inside an odd number of its parts, as the space between
+    /// two of them, one in the other. Nothing happens to other structures.
+    void orient_closed_parts(const Positions<dim> &X);
+
     /// Whether the structure has no boundary face.
     bool closed() const;
 
@@ -117,6 +130,10 @@ namespace feib
 
   private:
     void find_facets();
+
+    void find_opposite_vertices();
+
+    void turn(Element &element);
 
     unsigned int m = dim;
     std::vector<dealii::Point<dim>> node_places;

@@ -505,7 +505,7 @@ namespace feib
     space.condense(result.momentum);
     result.norms = norms(space, result.momentum, result.divergence);
     if (!std::isfinite(result.norms.momentum) || !std::isfinite(result.norms.divergence))
-      throw RunFailure("the fluid's residual is not finite at time " + std::to_string(step.time));
+      throw RunFailure("the fluid's residual is not finite at time " + readable(step.time));
     return result;
   }
 
