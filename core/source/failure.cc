@@ -86,7 +86,7 @@ namespace feib
       }
     catch (...)
       {
-        failed(curable, "an exception that is not a std::exception");
+        failed(curable, "it throws something that is no std::exception");
       }
 
     if (n_ranks > 1)

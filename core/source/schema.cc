@@ -11,6 +11,7 @@
 #include <valijson/validator.hpp>
 
 #include <algorithm>
+#include <limits>
 
 #include "case_schema.h"
 #include "component_schema.h"
@@ -254,6 +255,16 @@ namespace feib
                      Issues &issues)
       {
         const double x = value.get<double>();
+        // The largest that components can hold; validators stop at other bounds.
+        using Limits = std::numeric_limits<int>;
+        if (value.is_number_integer() && member(schema, "type") == "integer" &&
+            (x < Limits::min() || x > Limits::max()))
+          {
+            issues.push_back({pointer,
+                              "must be an integer from " + std::to_string(Limits::min()) + " to " +
+                                std::to_string(Limits::max()) + ", found " + value.dump()});
+            return;
+          }
         const auto check =
           [&](const char *const keyword, const char *const words, const auto &holds) {
             if (schema.contains(keyword) && !holds(x, schema[keyword].template get<double>()))

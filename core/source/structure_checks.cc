@@ -158,7 +158,7 @@ namespace feib
           verdict.warn(kind, time, value, text.str());
           text.str("");
         };
-        if (shapes.longest > 1.5 * h)
+        if (shapes.longest > 3 * h)
           {
             text << "element " << shapes.longest_element << " of " << name << " is "
                  << shapes.longest << " long, the smallest cells of the fluid are " << h

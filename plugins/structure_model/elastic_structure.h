@@ -83,7 +83,7 @@ namespace feib
       return node_masses;
     }
 
-    double stiffness(const Positions<dim> &X) const override;
+    typename StructureModel<dim>::Stiffness stiffness(const Positions<dim> &X) const override;
 
     double measure(const Positions<dim> &X) const override;
 
@@ -132,6 +132,9 @@ namespace feib
     /// d2W/dF2 of this rank's elements: [c][e] is dP for the unit dF of component c / m, column
     /// c % m.
     std::array<std::vector<Matrix>, m * dim> tangent_columns(const std::vector<Matrix> &F) const;
+
+    /// R of F = Q R, upper triangular, Q with orthonormal columns.
+    static std::array<std::array<double, structure_dim>, structure_dim> triangle(const Matrix &F);
 
     /// The measure of the structure (with the sign of its orientation) and its first moment about
     /// X[0].
@@ -455,13 +458,19 @@ namespace feib
     agree(
       reference_mesh.communicator(),
       [&] {
+        values.assign(last - first, Value());
         function();
         if (values.size() != last - first)
           throw Incurable("it gives " + std::to_string(values.size()) + " values for " +
                           std::to_string(last - first) + " elements");
         for (unsigned int e = first; e < last; ++e)
           if (!finite(values[e - first]))
-            throw RunFailure("it is not finite in element " + std::to_string(e));
+            {
+              std::ostringstream text;
+              text << "it is not finite in element " << e << ", at the reference place ("
+                   << reference_mesh.elements()[e].centroid << ")";
+              throw RunFailure(text.str());
+            }
       },
       "the law \"" + law_name + "\" of structure \"" + structure_name + "\" fails in its " + what);
   }
@@ -627,16 +636,17 @@ namespace feib
   }
 
   template <int structure_dim, int dim>
-  double
+  typename StructureModel<dim>::Stiffness
   ElasticStructure<structure_dim, dim>::stiffness(const Positions<dim> &X) const
   {
     constexpr unsigned int n    = m * dim;
     const std::vector<Matrix> F = deformation_gradients(X);
     const auto columns          = tangent_columns(F);
+    using Square                = std::array<std::array<double, n>, n>;
 
     // Whether all eigenvalues of A are below lambda: whether lambda I - A has a Cholesky factor.
-    std::array<std::array<double, n>, n> A, L;
-    const auto bounds = [&](const double lambda) {
+    Square L;
+    const auto bounds = [&](const Square &A, const double lambda) {
       for (unsigned int i = 0; i < n; ++i)
         for (unsigned int j = 0; j <= i; ++j)
           {
@@ -652,29 +662,67 @@ namespace feib
           }
       return true;
     };
-
     // One factorisation an element, and a bisection for the few that raise the maximum.
-    double largest = 0;
+    const auto raise = [&](const Square &A, double &largest) {
+      double norm = 0;
+      for (const auto &row : A)
+        for (const double a : row)
+          norm += a * a;
+      norm = std::sqrt(norm);
+      if (norm <= largest || bounds(A, largest * (1 + 1e-12)))
+        return;
+      double above = norm * (1 + 1e-12);
+      while (above - largest > 1e-13 * above)
+        {
+          const double middle                   = (largest + above) / 2;
+          (bounds(A, middle) ? above : largest) = middle;
+        }
+    };
+
+    typename StructureModel<dim>::Stiffness largest;
     for (unsigned int e = 0; e < F.size(); ++e)
       {
-        double norm = 0;
+        // Index: row of F * m + column.
+        Square A, B = {};
         for (unsigned int i = 0; i < n; ++i)
           for (unsigned int j = 0; j < n; ++j)
-            {
-              A[i][j] = columns[j][e][i / m][i % m];
-              norm += A[i][j] * A[i][j];
-            }
-        norm = std::sqrt(norm);
-        if (norm <= largest || bounds(largest * (1 + 1e-12)))
-          continue;
-        double above = norm * (1 + 1e-12);
-        while (above - largest > 1e-13 * above)
-          {
-            const double middle                = (largest + above) / 2;
-            (bounds(middle) ? above : largest) = middle;
-          }
+            A[i][j] = columns[j][e][i / m][i % m];
+        raise(A, largest.reference);
+
+        // F = Q R with R of the size of the structure: dF = (H Q) R, and H Q is as large as H.
+        const auto R = triangle(F[e]);
+        double J     = 1;
+        for (unsigned int k = 0; k < m; ++k)
+          J *= R[k][k];
+        for (unsigned int i = 0; i < n; ++i)
+          for (unsigned int j = 0; j < n; ++j)
+            for (unsigned int k = 0; k < m; ++k)
+              for (unsigned int l = 0; l < m; ++l)
+                B[i][j] +=
+                  R[i % m][k] * A[i / m * m + k][j / m * m + l] * R[j % m][l] / std::max(J, 1e-12);
+        raise(B, largest.spatial);
       }
-    return dealii::Utilities::MPI::max(largest, reference_mesh.communicator());
+    const MPI_Comm communicator = reference_mesh.communicator();
+    return {dealii::Utilities::MPI::max(largest.reference, communicator),
+            dealii::Utilities::MPI::max(largest.spatial, communicator)};
+  }
+
+  template <int structure_dim, int dim>
+  std::array<std::array<double, structure_dim>, structure_dim>
+  ElasticStructure<structure_dim, dim>::triangle(const Matrix &F)
+  {
+    std::array<std::array<double, m>, m> R = {};
+    for (unsigned int j = 0; j < m; ++j)
+      for (unsigned int i = 0; i <= j; ++i)
+        {
+          double sum = 0;
+          for (unsigned int a = 0; a < dim; ++a)
+            sum += F[a][i] * F[a][j];
+          for (unsigned int k = 0; k < i; ++k)
+            sum -= R[k][i] * R[k][j];
+          R[i][j] = i == j ? std::sqrt(std::max(sum, 0.)) : R[i][i] > 0 ? sum / R[i][i] : 0;
+        }
+    return R;
   }
 
   template <int structure_dim, int dim>

@@ -17,7 +17,7 @@ namespace feib
   {
     double longest_edge;   // L^n, of a deformed element [length]
     double kappa;          // largest eigenvalue of d2W/dF2
-    double spatial_kappa;  // the same per present measure and length: kappa stretch^2 / J
+    double spatial_kappa;  // the same per present measure and length
     double excess_density; // excess mass per present measure
   };
 
@@ -27,8 +27,9 @@ namespace feib
   {
     const LagrangianMesh<dim> &mesh = model.mesh();
     const unsigned int m            = mesh.structure_dim();
-    StructureScales result{0, model.stiffness(X), 0, 0};
-    double reference_measure = 0, factor = 0, largest_J = 0;
+    const auto stiffness            = model.stiffness(X);
+    StructureScales result{0, stiffness.reference, stiffness.spatial, 0};
+    double reference_measure = 0, largest_J = 0;
     for (const auto &element : mesh.elements())
       {
         double longest = 0;
@@ -43,19 +44,15 @@ namespace feib
           for (unsigned int k = 0; k < m; ++k)
             gram[j][k] = (X[element.nodes[j + 1]] - X[element.nodes[0]]) *
                          (X[element.nodes[k + 1]] - X[element.nodes[0]]);
-        const double size    = std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m);
-        const double J       = std::max(size / element.measure, 1e-12);
-        const double stretch = longest / element.diameter;
-        result.longest_edge  = std::max(result.longest_edge, longest);
-        factor               = std::max(factor, stretch * stretch / J);
-        largest_J            = std::max(largest_J, J);
+        const double size   = std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m);
+        result.longest_edge = std::max(result.longest_edge, longest);
+        largest_J           = std::max(largest_J, size / element.measure);
         reference_measure += element.measure;
       }
-    result.spatial_kappa = result.kappa * factor;
-    double mass          = 0;
+    double mass = 0;
     for (const double node_mass : model.excess_mass())
       mass += node_mass;
-    result.excess_density = mass / (reference_measure * largest_J);
+    result.excess_density = mass / (reference_measure * std::max(largest_J, 1e-12));
     return result;
   }
 

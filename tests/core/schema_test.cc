@@ -201,7 +201,7 @@ TEST(Schema, SpeaksPlainly)
             "/fluid/stokes/viscosty: unknown key \"viscosty\"; did you mean \"viscosity\"?\n");
   EXPECT_EQ(explained("/time/qqq", 1),
             "/time/qqq: unknown key \"qqq\"; allowed are \"step\", \"end\", \"control\", "
-            "\"energy_growth\", \"integrator\"\n");
+            "\"energy_growth\", \"measure_tolerance\", \"integrator\"\n");
   EXPECT_EQ(
     explained("/domain/boundary", {{"x_min", {{"no_slip", {{"speed", 1}}}}}}),
     "/domain/boundary/x_min/no_slip/speed: unknown key \"speed\"; nothing is allowed here\n");

@@ -215,13 +215,15 @@ TEST_F(StudyRuns, WhatIsDoneIsNotRepeated)
 TEST_F(StudyRuns, BisectsTheStepOfAStiffMembrane)
 {
   const std::string text = R"json({ "case": "case.json",
-  "set": { "/output": [], "/time/end": 0.05, "/structures": [ { "membrane": { "name": "m",
+  "set": { "/output": [], "/time/end": 0.05, "/time/control": { "fixed": { "minimum_step": 0.1 } },
+    "/structures": [ { "membrane": { "name": "m",
     "mesh": { "closed_curve": { "length": 1, "elements": 16 } },
-    "initial_position": [ "0.5+0.3*cos(2*pi*s1)", "0.5+0.2*sin(2*pi*s1)" ],
+    "initial_position": [ "0.5+0.24*cos(2*pi*s1)", "0.5+0.16*sin(2*pi*s1)" ],
     "law": { "anisotropic_linear": { "stiffness": 1 } } } } ] },
   "axes": [ { "name": "stiffness", "values": [ 1, 1000, 1000000 ],
               "pointer": "/structures/0/membrane/law/anisotropic_linear/stiffness" } ],
-  "bisect": { "name": "dt", "pointer": "/time/step", "lower": 1e-3, "upper": 0.05, "ratio": 3 },
+  "bisect": { "name": "dt", "pointer": ["/time/step", "/time/control/fixed/minimum_step"],
+    "lower": 1e-3, "upper": 0.05, "ratio": 3 },
   "columns": [ { "name": "steps", "pointer": "/steps" } ] })json";
   const RunResult result = study(text);
   ASSERT_EQ(result.exit_code, 0) << result.output;

@@ -197,7 +197,10 @@ TEST_F(Validate, ExpressionsOfStructuresAreTriedWhereTheyAreUsed)
   modulus["hyperelastic"]["law"]["neo_hookean"]["shear_modulus"] = "ln(s1-0.5)";
   fibres["hyperelastic"]["law"]                                  = {
                                      {"mooney_rivlin_fibres",
-                                      {{"c1", 1}, {"c2", 0}, {"fibre_modulus", 1}, {"fibres", {{"sqrt(s1-0.5)", "0"}}}}}};
+                                      {{"c1", 1},
+                                       {"c2", 0},
+                                       {"fibre_modulus", 1},
+                                       {"fibres", json::array({json::array({"sqrt(s1-0.5)", "0"})})}}}};
   position["hyperelastic"]["initial_position"] = {"s1 + 0*sqrt(s2-0.5)", "s2"};
   material["hyperelastic"]["material"]         = "1/(s1-s1)";
   description["structures"]                    = {modulus, fibres, position, material};

@@ -81,7 +81,7 @@ namespace
       run_host(shell_quoted(FEIB_SOURCE "/cases/lid_driven_cavity/case.json") + " --output " +
                shell_quoted(folder / "results") + " --set /domain/cells=[" + cells + "," + cells +
                "] --set /fluid/navier_stokes/viscosity=" + viscosity.str() +
-               " --set '/output/0={\"ledger_csv\": {}}'" + settings);
+               " --set '/output/0/vtu/interval=1000'" + settings);
     if (run.exit_code != 0)
       throw std::runtime_error(run.output);
     const auto vertical   = last_profile(folder / "results/probe_vertical.csv"),

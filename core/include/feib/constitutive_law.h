@@ -36,7 +36,7 @@ namespace feib
     virtual ~ConstitutiveLaw() = default;
 
     /// Fixes the material points; called once, before the evaluations. All arrays below have one
-    /// entry per point, in this order.
+    /// entry per point, in this order; results come as zeros.
     virtual void
     set_points(const std::vector<MaterialPoint> &points)
     {

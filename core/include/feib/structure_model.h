@@ -61,8 +61,14 @@ namespace feib
     /// Whether the load is -dE_h/dX at the nodes, so that the tangent is symmetric.
     virtual bool conservative() const = 0;
 
-    /// The largest eigenvalue of d2W/dF2 over all elements (kappa_max of the stability analysis).
-    virtual double stiffness(const Positions<dim> &X) const = 0;
+    /// Largest eigenvalues over all elements, of energies per measure.
+    struct Stiffness
+    {
+      double reference = 0; // of d2W/dF2: kappa_max of the stability analysis
+      double spatial   = 0; // of J^-1 d2W/dH2 for gradients H at the present place, dF = H F
+    };
+
+    virtual Stiffness stiffness(const Positions<dim> &X) const = 0;
 
     /// Area or volume of a body of dimension dim; what a closed curve or surface encloses; length
     /// or area of an open one.

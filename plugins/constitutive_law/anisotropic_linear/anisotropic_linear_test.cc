@@ -75,7 +75,7 @@ TEST(AnisotropicLinear, SaysWhatIsWrongWithFibres)
   EXPECT_PRED2(contains, (error_of<2, 2>(R"({"stiffness": 1})")), "/fibres: is empty");
   EXPECT_PRED2(contains,
                (error_of<2, 2>(R"({"stiffness": 1, "fibres": [["s1", "s2"]]})")),
-               "/fibres/0: has no direction in the structure at the reference place (0.0");
+               "/fibres/0: has no direction in the structure at the reference place (0, 0)");
   EXPECT_PRED2(contains,
                (error_of<2, 3>(R"({"stiffness": 1, "fibres": [[1, 0, 0], [0, 0, 1]]})")),
                "/fibres/1: has no direction");

@@ -6,9 +6,10 @@
 #include "stokes_solver.h"
 
 #include <feib/error.h>
-#include <feib/failure.h>
 #include <feib/expression.h>
+#include <feib/failure.h>
 #include <feib/fluid_solver.h>
+#include <feib/message.h>
 #include <feib/plugin.h>
 
 #include <deal.II/base/mpi.h>

@@ -260,8 +260,9 @@ namespace feib::testing
       if (model.load_points().nodes_per_point > 1)
         return;
       constexpr int dim  = std::decay_t<decltype(X[0])>::dimension;
-      const double kappa = model.stiffness(X);
+      const auto [kappa, spatial] = model.stiffness(X);
       EXPECT_GT(kappa, 0);
+      EXPECT_GT(spatial, 0);
       for (unsigned int seed = 0; seed < 5; ++seed)
         {
           const auto dX = random_field<dim>(X.size(), 1, seed);
