@@ -2,6 +2,7 @@
 #include "boundary_flux.h"
 #include "energy_check.h"
 #include "forecast.h"
+#include "resolution.h"
 #include "structure_checks.h"
 #include "summary.h"
 #include "verdict.h"
@@ -89,6 +90,9 @@ namespace feib
 
       /// What a failure with steps up to @p dt from the present state comes from.
       std::string cause(double dt);
+
+      /// Warns of flows too rough for the mesh, which have lost what they were.
+      void check_resolution();
 
       /// Warns of momentum that changes though nothing in a periodic box can change it.
       void check_momentum();
@@ -306,6 +310,30 @@ namespace feib
             }
         }
       check_structures(parts, record.time, verdict);
+      check_resolution();
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::check_resolution()
+    {
+      const double cell_reynolds = parts.fluid->density() *
+                                   accounts.ledger.last("largest_velocity") *
+                                   parts.space->smallest_edge() / parts.fluid->viscosity();
+      // Where viscosity rules, what is rough decays, and what structures push is rough beside them.
+      constexpr double inertial = 30, rough = .4;
+      if (cell_reynolds < inertial)
+        return;
+      const double part = roughness(*parts.space);
+      if (part < rough)
+        return;
+      std::ostringstream text;
+      text << std::setprecision(2) << 100 * part
+           << " % of what the velocity varies within cells is rougher than they resolve, at a cell "
+              "Reynolds number of "
+           << cell_reynolds << ": the mesh is too coarse for the flow";
+      verdict.warn("resolution", record.time, part, text.str());
     }
 
 

@@ -102,6 +102,18 @@ TEST(Verdict, UnstableRunsAreNotCompleted)
                          "--set /time/step=0.1 --set /time/end=2 --set "
                          "/structures/0/hyperelastic/law/neo_hookean/shear_modulus=20"));
     }
+  // The work of a lid hides nothing.
+  expect_doubt(run(membrane,
+                   small +
+                     "--set '/domain/boundary={\"y_max\": {\"velocity\": {\"value\": [1, 0]}}}' "
+                     "--set /time/step=0.03 --set /time/end=0.6"));
+  // Nor what steps shortened by failures rescue.
+  expect_doubt(run(disc,
+                   small + "--set /time/step=0.2 --set /time/end=1 --set "
+                           "/structures/0/hyperelastic/law/neo_hookean/shear_modulus=100"));
+  // A surface in space.
+  expect_doubt(run(FEIB_SOURCE "/cases/ellipsoid/case.json",
+                   "--set /domain/cells=[4,4,4] --set /time/step=0.1 --set /time/end=0.4"));
   // The area is lost to the scheme.
   const Result relaxing =
     run(membrane,

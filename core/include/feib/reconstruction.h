@@ -56,6 +56,14 @@ namespace feib
     /// Component i of R v at a place of the unit cell is sum_j weights[i][j] v_j.
     void weights(const dealii::Point<dim> &unit, double (&weights)[dim][n_velocity]) const;
 
+    /// c_i h_i/2 of component i for a mode: -d_m times this is its part of the bubbles g_i. Zero
+    /// for modes of P1.
+    double
+    factor(const unsigned int component, const unsigned int mode) const
+    {
+      return factors[component][mode];
+    }
+
   private:
     double legendre[n_modes][n_modes]; // [mode][node]: Legendre coefficients of the shape functions
     dealii::Tensor<1, dim> size;

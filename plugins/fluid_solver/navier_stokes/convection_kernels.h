@@ -4,6 +4,8 @@
 
 #include "cell_kernels.h"
 
+#include <feib/reconstruction.h>
+
 #include <algorithm>
 
 namespace feib
@@ -200,23 +202,13 @@ namespace feib
     /// @p size: the edges of a cell.
     explicit ReconstructionAtPoints(const dealii::Tensor<1, dim> &size)
     {
-      // |L_n|^2 / |N_n|^2; there is no N_0.
-      constexpr double norm_ratio[3] = {0., 5 / 2., 21 / 2.};
-      for (unsigned int m = 0; m < n; ++m)
-        {
-          unsigned int total = 0;
-          double sum         = 0;
-          for (unsigned int a = 0; a < dim; ++a)
-            {
-              total += digit(m, a);
-              sum += norm_ratio[digit(m, a)] / (size[a] * size[a]);
-            }
-          for (unsigned int a = 0; a < dim; ++a)
-            factors[a][m] =
-              total > 1 ? -norm_ratio[digit(m, a)] / (size[a] * size[a]) / sum * size[a] / 2 : 0.;
-        }
+      const Reconstruction<dim> reconstruction(size);
       for (unsigned int a = 0; a < dim; ++a)
-        slope[a] = 2 / size[a];
+        {
+          slope[a] = 2 / size[a];
+          for (unsigned int m = 0; m < n; ++m)
+            factors[a][m] = -reconstruction.factor(a, m);
+        }
     }
 
     /// Legendre coefficients of Q2 functions, or (transpose) back.
