@@ -76,7 +76,7 @@ namespace feib
   ///   1/Z = 1/(2 pi mu) int [k^2 or l^2]/(k^2 + l^2) 1/(k^2 + l^2 + a^2) dl
   /// across (k^2) or along it (l^2); the larger counts. An excess density adds delta_rho/tau. Q2
   /// velocities on cells of size h_x carry k up to C pi/h_x and l up to T k; C and T are calibrated
-  /// by bisection (docs/choosing_a_scheme.md).
+  /// by bisection (docs/choosing.md).
   inline double
   stable_step(const StructureScales &scales,
               const Body body,
