@@ -93,8 +93,9 @@ TEST(Start, ABodyAtRestIsNotSweptAlongByAnInflow)
         "--set /structures/0/membrane/excess_density=1e6 --set /time/step=0.001 "
         "--set /time/end=0.004 --set '/time/integrator={\"lagged_midpoint\": {}}'")
       .ledger;
-  EXPECT_LT(ledger.at("kinetic")[0], .1);
-  EXPECT_LT(ledger.at("kinetic").back(), .1);
+  // Nor does it shake: a velocity of its own, other than the fluid's, would alternate for ever.
+  for (const double kinetic : ledger.at("kinetic"))
+    EXPECT_LT(kinetic, .1);
 }
 
 TEST(Start, ThePressureOfTheInitialState)
@@ -137,6 +138,22 @@ TEST(Pressure, OfTheEndOfAStepIsKeptOverChangesOfTheMesh)
   ASSERT_EQ(fixed.size(), moving.size());
   for (unsigned int n = 3; n < fixed.size(); ++n)
     EXPECT_NEAR(moving[n], fixed[n], .1 * std::abs(fixed[n]));
+}
+
+TEST(Pressure, OfAStepThatFailedLeavesNoTrace)
+{
+  // Far beyond the limit of the explicit scheme, with and without a first step that fails.
+  const auto with_step = [](const std::string &step) {
+    return run(membrane,
+               "--set /structures/0/membrane/law/anisotropic_linear/stiffness=100 "
+               "--set /time/end=0.005 --set /time/step=" +
+                 step);
+  };
+  const auto failed = with_step("0.005"), good = with_step("0.0025");
+  ASSERT_EQ(failed.ledger.at("dt")[1], .0025);
+  EXPECT_EQ(failed.ledger.at("time"), good.ledger.at("time"));
+  EXPECT_GT(good.ledger.at("time").size(), 4u);
+  EXPECT_EQ(failed.probe.at("pressure"), good.probe.at("pressure"));
 }
 
 TEST(Pressure, DoesNotAlternateAfterAnImpulsiveStart)
