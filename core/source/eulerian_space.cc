@@ -335,25 +335,37 @@ namespace feib
         // The next step extrapolates from these two; what is older is not needed again.
         for (VelocityVector *v : {&velocity, &old_velocity})
           v->update_ghost_values();
-        pressure.update_ghost_values();
+        std::vector<PressureVector *> pressures = {&pressure};
+        for (EarlierPressure &earlier : earlier_pressures)
+          pressures.push_back(&earlier.values);
+        for (PressureVector *p : pressures)
+          p->update_ghost_values();
         velocity_transfer.prepare_for_coarsening_and_refinement(
           std::vector<const VelocityVector *>{&velocity, &old_velocity});
-        pressure_transfer.prepare_for_coarsening_and_refinement(pressure);
+        pressure_transfer.prepare_for_coarsening_and_refinement(
+          std::vector<const PressureVector *>(pressures.begin(), pressures.end()));
 
         const std::uint64_t before = fingerprint;
         mesh.execute_coarsening_and_refinement();
         distribute_dofs();
-        const bool new_mesh               = fingerprint != before;
-        changed                           = changed || new_mesh;
-        VelocityVector moved[2]           = {make_velocity(), make_velocity()};
-        PressureVector moved_pressure     = make_pressure();
+        const bool new_mesh     = fingerprint != before;
+        changed                 = changed || new_mesh;
+        VelocityVector moved[2] = {make_velocity(), make_velocity()};
+        std::vector<PressureVector> moved_pressures(pressures.size(), make_pressure());
+        std::vector<PressureVector *> all_pressures;
+        for (PressureVector &p : moved_pressures)
+          all_pressures.push_back(&p);
         std::vector<VelocityVector *> all = {&moved[0], &moved[1]};
         velocity_transfer.interpolate(all);
-        pressure_transfer.interpolate(moved_pressure);
+        pressure_transfer.interpolate(all_pressures);
         velocity.swap(moved[0]);
         old_velocity.swap(moved[1]);
         older_velocity = old_velocity;
-        pressure.swap(moved_pressure);
+        for (unsigned int i = 0; i < pressures.size(); ++i)
+          {
+            pressures[i]->swap(moved_pressures[i]);
+            pressures[i]->update_ghost_values();
+          }
         distribute(velocity, false);
         // Its boundary values are of its own time.
         old_velocity.update_ghost_values();
@@ -361,7 +373,6 @@ namespace feib
           if (line.begin < line.end)
             old_velocity.local_element(line.unknown) =
               value_from_masters(old_velocity, line) + line.value;
-        pressure.update_ghost_values();
         if (!new_mesh)
           break;
       }

@@ -8,6 +8,7 @@
 #include "verdict.h"
 
 #include <feib/failure.h>
+#include <feib/inertial_load.h>
 #include <feib/log.h>
 #include <feib/simulation.h>
 
@@ -68,6 +69,12 @@ namespace feib
 
       /// Says once that a net flux was spread.
       void tell_spread_flux();
+
+      /// Makes the velocities of the start fit each other.
+      void start_together();
+
+      /// The pressure of the initial state.
+      void find_initial_pressure();
 
       void refine();
 
@@ -161,7 +168,10 @@ namespace feib
         return;
       {
         const Timers::Section section(parts.timers, "refinement");
-        parts.fluid->project(*parts.space);
+        for (const ImmersedStructure<dim> &structure : parts.structures)
+          structure.set_geometry(*parts.space, structure.model->positions);
+        InertialLoad<dim> inertia(*parts.space, parts.structures, 1.);
+        parts.fluid->project(*parts.space, inertia.empty() ? nullptr : &inertia);
       }
       ++record.remeshes;
       record.remesh_seconds += seconds_since(remesh_start);
@@ -197,24 +207,47 @@ namespace feib
 
     template <int dim>
     void
+    SimulationInDimension<dim>::start_together()
+    {
+      EulerianSpace<dim> &space = *parts.space;
+      for (const ImmersedStructure<dim> &structure : parts.structures)
+        structure.set_geometry(space, structure.model->positions);
+      // Excess mass has a velocity of its own, which becomes that of the fluid as in an inelastic
+      // collision: schemes that damp nothing would have the difference alternate for ever.
+      InertialLoad<dim> inertia(space, parts.structures, 1.);
+      parts.fluid->initialize(space, inertia.empty() ? nullptr : &inertia);
+      tell_spread_flux();
+      space.old_velocity   = space.velocity;
+      space.older_velocity = space.velocity;
+      for (ImmersedStructure<dim> &structure : parts.structures)
+        structure.motion->interpolate(space, space.velocity, structure.model->velocities);
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::find_initial_pressure()
+    {
+      EulerianSpace<dim> &space = *parts.space;
+      VelocityVector load       = space.make_velocity();
+      NodalField<dim> force;
+      for (const ImmersedStructure<dim> &structure : parts.structures)
+        {
+          structure.model->load(structure.model->positions, force);
+          structure.spreading().spread(space, force, load);
+        }
+      InertialLoad<dim> inertia(space, parts.structures, 1.);
+      parts.fluid->find_pressure(space,
+                                 {0., given_step, load, inertia.empty() ? nullptr : &inertia});
+    }
+
+
+    template <int dim>
+    void
     SimulationInDimension<dim>::initialize()
     {
-      parts.fluid->initialize(*parts.space);
-      tell_spread_flux();
-      parts.space->old_velocity   = parts.space->velocity;
-      parts.space->older_velocity = parts.space->velocity;
-      for (ImmersedStructure<dim> &structure : parts.structures)
-        {
-          structure.motion->set_geometry(*parts.space,
-                                         structure.model->mesh(),
-                                         structure.model->positions,
-                                         structure.nodes);
-          // Excess mass has a velocity of its own.
-          if (structure.model->excess_mass().empty())
-            structure.motion->interpolate(*parts.space,
-                                          parts.space->velocity,
-                                          structure.model->velocities);
-        }
+      start_together();
+      find_initial_pressure();
       energy_check = std::make_unique<EnergyCheck<dim>>(parts, energy_growth);
       for (const ImmersedStructure<dim> &structure : parts.structures)
         initial_measures.push_back(structure.model->measure(structure.model->positions));
@@ -450,6 +483,7 @@ namespace feib
           velocities.push_back(structure.model->velocities);
         }
       const PressureVector pressure = parts.space->pressure;
+      const auto earlier_pressures  = parts.space->earlier_pressures;
       const VelocityVector older    = parts.space->older_velocity;
       parts.space->older_velocity   = parts.space->old_velocity;
       parts.space->old_velocity     = parts.space->velocity;
@@ -485,15 +519,16 @@ namespace feib
       catch (const RunFailure &)
         {
           // Back to the last good state.
-          record.step                 = step_before;
-          record.time                 = time_before;
-          displacement_error          = error_before;
-          accounts.totals             = totals_before;
-          energy_check->totals        = energy_before;
-          parts.space->velocity       = parts.space->old_velocity;
-          parts.space->old_velocity   = parts.space->older_velocity;
-          parts.space->older_velocity = older;
-          parts.space->pressure       = pressure;
+          record.step                    = step_before;
+          record.time                    = time_before;
+          displacement_error             = error_before;
+          accounts.totals                = totals_before;
+          energy_check->totals           = energy_before;
+          parts.space->velocity          = parts.space->old_velocity;
+          parts.space->old_velocity      = parts.space->older_velocity;
+          parts.space->older_velocity    = older;
+          parts.space->pressure          = pressure;
+          parts.space->earlier_pressures = earlier_pressures;
           for (unsigned int i = 0; i < parts.structures.size(); ++i)
             {
               parts.structures[i].model->positions  = positions[i];

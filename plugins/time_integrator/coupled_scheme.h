@@ -84,6 +84,10 @@ namespace feib
                           double dt,
                           const std::vector<NodalField<dim>> &U);
 
+    /// The pressure that a midpoint scheme has solved for is that of @p middle, half way through
+    /// the step; space.pressure becomes that of its @p end.
+    static void take_pressure_to_end(EulerianSpace<dim> &space, double middle, double end);
+
     /// Moves structure s by dt U and adds what that means to the report. J is at @p geometry.
     void move(System &system,
               unsigned int s,
@@ -252,8 +256,34 @@ namespace feib
         space.velocity.zero_out_ghost_values();
         space.velocity.sadd(2., -1., space.old_velocity);
         space.velocity.update_ghost_values();
+        take_pressure_to_end(space, time + dt / 2, time + dt);
       }
     return report;
+  }
+
+
+  template <int dim>
+  void
+  CoupledScheme<dim>::take_pressure_to_end(EulerianSpace<dim> &space,
+                                           const double middle,
+                                           const double end)
+  {
+    auto &earlier          = space.earlier_pressures;
+    const PressureVector p = space.pressure;
+    if (earlier.size() == 2)
+      {
+        // The straight line through the last three, so weighted that what alternates from step to
+        // step drops out: 1, 1/2 and -1/2 for equal steps.
+        const double d_0 = end - middle, d_1 = end - earlier[0].time, d_2 = end - earlier[1].time;
+        const double weight = (d_1 + d_2) / (d_2 - d_0) / 2;
+        space.pressure.zero_out_ghost_values();
+        space.pressure.sadd(weight, .5, earlier[0].values);
+        space.pressure.add(.5 - weight, earlier[1].values);
+        space.pressure.update_ghost_values();
+      }
+    earlier.push_front({middle, p});
+    if (earlier.size() > 2)
+      earlier.pop_back();
   }
 
 

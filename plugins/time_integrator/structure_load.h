@@ -2,7 +2,7 @@
 #ifndef feib_plugins_time_integrator_structure_load_h
 #define feib_plugins_time_integrator_structure_load_h
 
-#include <feib/implicit_load.h>
+#include <feib/inertial_load.h>
 #include <feib/time_integrator.h>
 
 namespace feib
@@ -12,14 +12,16 @@ namespace feib
   /// J at the geometry the couplings are set to, X^n and V^n what the structures hold. F is left
   /// out where the scheme takes the elastic force explicitly, M where there is no excess mass.
   template <int dim>
-  class StructureLoad : public ImplicitLoad<dim>
+  class StructureLoad : public InertialLoad<dim>
   {
   public:
     using System  = typename TimeIntegrator<dim>::System;
     using Product = typename ImplicitLoad<dim>::Product;
+    using Inertia = InertialLoad<dim>;
 
     StructureLoad(System &system, const double tau, const bool elastic)
-      : system(system)
+      : Inertia(system.space, system.structures, tau)
+      , system(system)
       , tau(tau)
       , elastic(elastic)
       , moved(system.structures.size())
@@ -29,61 +31,42 @@ namespace feib
     bool
     empty() const
     {
-      for (const ImmersedStructure<dim> &structure : system.structures)
-        if (elastic || !structure.model->excess_mass().empty())
-          return false;
-      return true;
+      return (!elastic || system.structures.empty()) && Inertia::empty();
     }
 
     void
     evaluate(const VelocityVector &u, VelocityVector &load) override
     {
       NodalField<dim> U, force;
-      for (unsigned int s = 0; s < moved.size(); ++s)
-        {
-          const ImmersedStructure<dim> &structure = system.structures[s];
-          const StructureModel<dim> &model        = *structure.model;
-          structure.motion->interpolate(system.space, u, U);
-          if (elastic)
-            {
-              moved[s] = model.positions;
-              for (unsigned int i = 0; i < U.size(); ++i)
-                moved[s][i] += tau * U[i];
-              model.load(moved[s], force);
-              structure.spreading().spread(system.space, force, load);
-            }
-          if (!model.excess_mass().empty())
-            {
-              for (unsigned int i = 0; i < U.size(); ++i)
-                U[i] = -model.excess_mass()[i] / tau * (U[i] - model.velocities[i]);
-              structure.motion->spread(system.space, U, load);
-            }
-        }
+      if (elastic)
+        for (unsigned int s = 0; s < moved.size(); ++s)
+          {
+            const ImmersedStructure<dim> &structure = system.structures[s];
+            structure.motion->interpolate(system.space, u, U);
+            moved[s] = structure.model->positions;
+            for (unsigned int i = 0; i < U.size(); ++i)
+              moved[s][i] += tau * U[i];
+            structure.model->load(moved[s], force);
+            structure.spreading().spread(system.space, force, load);
+          }
+      Inertia::evaluate(u, load);
     }
 
     void
     apply(VelocityVector &dst, const VelocityVector &du) const override
     {
       NodalField<dim> dU, force;
-      for (unsigned int s = 0; s < moved.size(); ++s)
-        {
-          const ImmersedStructure<dim> &structure = system.structures[s];
-          const StructureModel<dim> &model        = *structure.model;
-          structure.motion->interpolate(system.space, du, dU);
-          if (elastic)
-            {
-              model.load_derivative(moved[s], dU, force);
-              for (auto &value : force)
-                value *= -tau;
-              structure.spreading().spread(system.space, force, dst);
-            }
-          if (!model.excess_mass().empty())
-            {
-              for (unsigned int i = 0; i < dU.size(); ++i)
-                dU[i] *= model.excess_mass()[i] / tau;
-              structure.motion->spread(system.space, dU, dst);
-            }
-        }
+      if (elastic)
+        for (unsigned int s = 0; s < moved.size(); ++s)
+          {
+            const ImmersedStructure<dim> &structure = system.structures[s];
+            structure.motion->interpolate(system.space, du, dU);
+            structure.model->load_derivative(moved[s], dU, force);
+            for (auto &value : force)
+              value *= -tau;
+            structure.spreading().spread(system.space, force, dst);
+          }
+      Inertia::apply(dst, du);
     }
 
     bool
@@ -99,35 +82,29 @@ namespace feib
     std::vector<Product>
     matrix() const override
     {
-      std::vector<Product> products;
-      for (unsigned int s = 0; s < moved.size(); ++s)
-        {
-          const ImmersedStructure<dim> &structure = system.structures[s];
-          const StructureModel<dim> &model        = *structure.model;
-          const std::uint64_t n_motion            = dim * structure.nodes.size();
-          const MatrixEntries J                   = structure.motion->entries(system.space);
-          if (elastic)
-            {
-              Product product{n_motion, n_motion, {}, model.tangent(moved[s]), J, true};
-              for (MatrixEntry &entry : product.middle)
-                entry.value *= tau;
-              if (!model.conservative())
-                {
-                  product.n_left    = dim * model.load_points().size();
-                  product.left      = structure.spreading().entries(system.space);
-                  product.symmetric = false;
-                }
-              products.push_back(std::move(product));
-            }
-          if (!model.excess_mass().empty())
-            {
-              Product product{n_motion, n_motion, {}, {}, J, true};
-              if (dealii::Utilities::MPI::this_mpi_process(system.space.communicator()) == 0)
-                for (std::uint64_t i = 0; i < n_motion; ++i)
-                  product.middle.push_back({i, i, model.excess_mass()[i / dim] / tau});
-              products.push_back(std::move(product));
-            }
-        }
+      std::vector<Product> products = Inertia::matrix();
+      if (elastic)
+        for (unsigned int s = 0; s < moved.size(); ++s)
+          {
+            const ImmersedStructure<dim> &structure = system.structures[s];
+            const StructureModel<dim> &model        = *structure.model;
+            const std::uint64_t n_motion            = dim * structure.nodes.size();
+            Product product{n_motion,
+                            n_motion,
+                            {},
+                            model.tangent(moved[s]),
+                            structure.motion->entries(system.space),
+                            true};
+            for (MatrixEntry &entry : product.middle)
+              entry.value *= tau;
+            if (!model.conservative())
+              {
+                product.n_left    = dim * model.load_points().size();
+                product.left      = structure.spreading().entries(system.space);
+                product.symmetric = false;
+              }
+            products.push_back(std::move(product));
+          }
       return products;
     }
 

@@ -37,7 +37,6 @@ namespace
     set("/domain/cells", {run.cells, run.cells});
     set("/time/step", run.step);
     set("/time/integrator", {{run.integrator, Json::object()}});
-    set("/constants/lag", run.integrator == "midpoint" ? run.step / 2 : 0.);
     set("/constants/nu", run.viscosity);
     set("/fluid/navier_stokes/viscosity", run.viscosity);
     set("/constants/U", run.stream ? 1. : 0.);
@@ -85,14 +84,16 @@ TEST(TaylorGreen, RatesInSpace)
 }
 
 // In a stream convection, too, has an error in time; on its own that of the vortices is a gradient.
+// The pressure of the stream comes down from above.
 
 TEST(TaylorGreen, SecondOrderInTime)
 {
   for (const bool stream : {false, true})
     {
-      const double dt = stream ? .01 : .05;
-      EXPECT_NEAR(
-        rates({32, dt, "midpoint", .05, stream}, {32, dt / 2, "midpoint", .05, stream})[0], 2, .1);
+      const Errors found =
+        rates({32, .025, "midpoint", .05, stream}, {32, .0125, "midpoint", .05, stream});
+      EXPECT_NEAR(found[0], 2, .1);
+      EXPECT_NEAR(found[2], 2, stream ? .25 : .1);
     }
 }
 
@@ -114,8 +115,7 @@ TEST(TaylorGreen, WithoutStructuresTheSchemesOfEachOrderAreOne)
     const Errors euler = errors({8, .05, "fe_be"}), midpoint = errors({8, .05, "midpoint"});
     for (const std::string scheme : {"lagged_be", "be_be"})
       EXPECT_EQ(errors({8, .05, scheme}), euler) << scheme;
-    // Only the velocity: the exact pressure is not asked for at the half step.
-    EXPECT_EQ(errors({8, .05, "lagged_midpoint"})[0], midpoint[0]);
+    EXPECT_EQ(errors({8, .05, "lagged_midpoint"}), midpoint);
   }
 }
 

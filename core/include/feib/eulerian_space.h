@@ -14,6 +14,7 @@
 #include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/la_parallel_vector.h>
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -143,7 +144,17 @@ namespace feib
     VelocityVector velocity;       ///< u at the end of the present step
     VelocityVector old_velocity;   ///< u^n, the last accepted state
     VelocityVector older_velocity; ///< u^{n-1}
-    PressureVector pressure;
+    PressureVector pressure;       ///< p, at the time of the state
+
+    /// A pressure that belongs to another time than the state.
+    struct EarlierPressure
+    {
+      double time;
+      PressureVector values;
+    };
+
+    /// The latest first, kept by schemes that solve for pressures within a step.
+    std::deque<EarlierPressure> earlier_pressures;
     double old_dt = 0; ///< t^n - t^{n-1}; 0 before the second step
 
   private:

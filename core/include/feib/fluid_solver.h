@@ -59,17 +59,32 @@ namespace feib
     check(const CheckContext<dim> &)
     {}
 
-    /// Sets space.velocity to the initial velocity and space.pressure to zero.
-    virtual void initialize(EulerianSpace<dim> &space) = 0;
+    /// Sets space.velocity to the initial velocity, projected as project() does, and space.pressure
+    /// to zero.
+    virtual void initialize(EulerianSpace<dim> &space, ImplicitLoad<dim> *inertia = nullptr) = 0;
 
     /// From space.old_velocity (and, for extrapolation, space.older_velocity and space.old_dt) to
     /// space.velocity and space.pressure, which hold a first guess on entry. Collective. Throws
     /// RunFailure when a solve does not reach its tolerance; space.old_velocity is untouched.
     virtual Report advance(EulerianSpace<dim> &space, const Step &step) = 0;
 
-    /// Makes space.velocity discretely divergence-free again by the least change in L2, after the
-    /// state was moved to another mesh. Collective.
-    virtual void project(EulerianSpace<dim> &space) = 0;
+    /// Makes space.velocity u discretely divergence-free by the least change of the fluid's
+    /// velocity in L2, rho/2 |u - given u|^2. With @p inertia, the load J^T [ -M (J u - V) ] of
+    /// masses that move with the fluid and had the velocity V, plus M/2 |J u - V|^2: the momentum
+    /// given is kept. Collective.
+    virtual void project(EulerianSpace<dim> &space, ImplicitLoad<dim> *inertia = nullptr) = 0;
+
+    /// Sets space.pressure to that of the state at step.time: with it the acceleration under all
+    /// forces is divergence-free, and on the boundary that of the values prescribed between
+    /// step.time and step.time + step.dt. Of step.implicit_load, here J^T [ -M J du/dt ], the
+    /// derivative alone is used. Without an implementation the pressure is left as it is.
+    /// Collective.
+    virtual void
+    find_pressure(EulerianSpace<dim> &space, const Step &step)
+    {
+      (void)space;
+      (void)step;
+    }
 
     /// rho [mass/volume] and mu [force time/area].
     virtual double density() const   = 0;

@@ -55,11 +55,13 @@ namespace feib
 
     void check(const CheckContext<dim> &context) override;
 
-    void initialize(Space &space) override;
+    void initialize(Space &space, ImplicitLoad<dim> *masses) override;
 
     Report advance(Space &space, const Step &step) override;
 
-    void project(Space &space) override;
+    void project(Space &space, ImplicitLoad<dim> *masses) override;
+
+    void find_pressure(Space &space, const Step &step) override;
 
     double
     density() const override
@@ -77,6 +79,9 @@ namespace feib
 
   private:
     static constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
+
+    /// Cycles in single precision tell fluxes from such fractions, not from much smaller ones.
+    static constexpr double least_flux = 1e-4;
 
     struct Norms
     {
@@ -146,15 +151,13 @@ namespace feib
                   const Norms &residuals,
                   const double scale) const
     {
-      // Cycles in single precision tell fluxes from such fractions, not from much smaller ones.
-      constexpr double least = 1e-4;
-      double base            = 0;
+      double base = 0;
       for (unsigned int a = 0; a < dim; ++a)
         base =
           std::max(base,
                    (space.domain().upper[a] - space.domain().lower[a]) / space.domain().cells[a]);
       return std::max(residuals.divergence_scale,
-                      least * scale /
+                      least_flux * scale /
                         std::max(impedance(space.smallest_edge(), rate), impedance(base, rate)));
     }
 
@@ -271,7 +274,7 @@ namespace feib
 
   template <int dim>
   void
-  NavierStokes<dim>::initialize(Space &space)
+  NavierStokes<dim>::initialize(Space &space, ImplicitLoad<dim> *const masses)
   {
     const Domain<dim> &box = space.domain();
     if (reconstructs)
@@ -289,39 +292,116 @@ namespace feib
     space.pressure = 0.;
     space.pressure.update_ghost_values();
     // Boundary values alone are not divergence-free either.
-    if (space.velocity.linfty_norm() > 0)
-      project(space);
+    if (masses || space.velocity.linfty_norm() > 0)
+      project(space, masses);
   }
 
 
   template <int dim>
   void
-  NavierStokes<dim>::project(Space &space)
+  NavierStokes<dim>::project(Space &space, ImplicitLoad<dim> *const masses)
   {
     prepare(space);
-    // The correction of the velocity is all inertia. There are no forces to compare fluxes with.
-    constexpr double rate = 1;
-    VelocityVector r = space.make_velocity(), du = space.make_velocity();
-    PressureVector g = space.make_pressure(), multiplier = space.make_pressure();
+    // The correction of the velocity is all inertia, in a unit of time.
+    constexpr double rate  = 1;
+    const double impedance = density() * rate * space.smallest_edge();
     space.distribute(space.velocity, false);
+    VelocityVector given = space.velocity, du = space.make_velocity();
+    given.update_ghost_values();
+    PressureVector multiplier = space.make_pressure(), dp = space.make_pressure();
+    double scale = 0;
     for (unsigned int pass = 0; pass < 2; ++pass)
       {
-        r = 0.;
-        g = 0.;
+        VelocityVector r = space.make_velocity(), load = space.make_velocity();
+        PressureVector g = space.make_pressure();
+        inertia.add_velocity_form(rate, 0., given, r);
         inertia.subtract_stokes(rate, space.velocity, multiplier, r, g);
+        r.compress(dealii::VectorOperation::add);
         g.compress(dealii::VectorOperation::add);
-        r              = 0.;
+        if (masses)
+          masses->evaluate(space.velocity, load);
+        r += load;
+        space.condense(r);
         const Norms of = norms(space, r, g);
-        if (of.divergence <= tolerance * of.divergence_scale)
+        if (pass == 0)
+          scale = std::max(of.momentum, impedance * of.divergence_scale);
+        const double flux = std::max(of.divergence_scale, least_flux * scale / impedance);
+        if (of.momentum <= tolerance * scale && of.divergence <= tolerance * flux)
           break;
-        const double weight = 1 / of.divergence_scale;
-        solver.solve({space, inertia, rate}, r, g, weight, .5 * tolerance, du, multiplier);
+        solver.solve({space, inertia, rate, nullptr, 0., masses},
+                     r,
+                     g,
+                     scale / flux,
+                     .5 * tolerance * scale,
+                     du,
+                     dp);
         space.distribute(du, true);
         space.velocity.zero_out_ghost_values();
         space.velocity += du;
         space.distribute(space.velocity, false);
-        multiplier = 0.;
+        multiplier.zero_out_ghost_values();
+        multiplier += dp;
+        multiplier.update_ghost_values();
       }
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::find_pressure(Space &space, const Step &step)
+  {
+    prepare(space);
+    // How the values on the boundary change.
+    constexpr double rate       = 1; // of the acceleration, the unknown
+    VelocityVector acceleration = space.velocity;
+    space.set_time(step.time + step.dt);
+    space.distribute(acceleration, false);
+    space.set_time(step.time);
+    acceleration.zero_out_ghost_values();
+    acceleration.add(-1., space.velocity);
+    acceleration *= 1 / step.dt;
+    acceleration.update_ghost_values();
+    space.velocity.update_ghost_values();
+
+    VelocityVector r = space.make_velocity(), opposed = space.make_velocity();
+    PressureVector g = space.make_pressure();
+    operators.add_velocity_form(0., 1., space.velocity, opposed);
+    if (convects)
+      {
+        operators.set_convecting_velocity(space.velocity);
+        operators.add_convection(1., space.velocity, opposed);
+      }
+    inertia.add_velocity_form(rate, 0., acceleration, opposed);
+    operators.add_divergence(acceleration, g);
+    opposed.compress(dealii::VectorOperation::add);
+    g.compress(dealii::VectorOperation::add);
+    if (step.implicit_load)
+      step.implicit_load->apply(opposed, acceleration);
+    r += step.load;
+    if (body_force)
+      {
+        if (body_force_varies)
+          assemble_body_force(space, step.time);
+        r += body_force_load;
+      }
+    r -= opposed;
+    space.condense(r);
+    const double impedance = density() * rate * space.smallest_edge();
+    const double scale     = std::max(r.l2_norm(), impedance * g.l2_norm());
+    space.pressure         = 0.;
+    if (scale > 0)
+      solver.solve({space, inertia, rate, nullptr, 0., step.implicit_load},
+                   r,
+                   g,
+                   impedance,
+                   .1 * tolerance * scale,
+                   acceleration,
+                   space.pressure);
+    if (total_pressure())
+      add_dynamic_pressure(space, -1);
+    if (space.domain().enclosed())
+      remove_mean_pressure(space);
+    space.pressure.update_ghost_values();
   }
 
 

@@ -22,7 +22,7 @@ namespace
     {}
 
     void
-    initialize(EulerianSpace<2> &) override
+    initialize(EulerianSpace<2> &, ImplicitLoad<2> *) override
     {}
 
     Report
@@ -42,7 +42,7 @@ namespace
     }
 
     void
-    project(EulerianSpace<2> &) override
+    project(EulerianSpace<2> &, ImplicitLoad<2> *) override
     {}
 
     double
