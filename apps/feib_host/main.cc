@@ -10,6 +10,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/serialization/utility.hpp>
 #include <nlohmann/json.hpp>
 
 #include <signal.h>
@@ -282,6 +283,36 @@ namespace
   }
 
 
+  /// Loads the plugins of the folders. Ranks with other plugins than rank 0 would wait for it, or
+  /// it for them.
+  void
+  load_plugins(PluginLoader &loader, const std::vector<std::string> &path)
+  {
+    std::pair<std::string, std::string> found; // plugins, problem
+    try
+      {
+        for (const std::string &directory : path)
+          loader.load_directory(directory);
+      }
+    catch (const Error &error)
+      {
+        found.second = error.what();
+      }
+    for (const PluginLoader::Result &plugin : loader.results())
+      if (plugin.accepted)
+        found.first += plugin.plugin + " " + plugin.version + ", ";
+    const auto all = dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, found);
+    for (unsigned int rank = 0; rank < all.size(); ++rank)
+      {
+        if (!all[rank].second.empty())
+          throw Error(all[rank].second);
+        if (all[rank].first != all[0].first)
+          throw Error("rank " + std::to_string(rank) + " finds the plugins " + all[rank].first +
+                      "and rank 0 finds " + all[0].first + "which must be the same");
+      }
+  }
+
+
   /// Returns the exit code. Throws Error and RunFailure on all ranks alike.
   int
   execute(const CommandLine &command)
@@ -295,8 +326,7 @@ namespace
     const std::vector<std::string> path = PluginLoader::search_path(command.plugin_path);
     Registry registry;
     PluginLoader loader(registry);
-    for (const std::string &directory : path)
-      loader.load_directory(directory);
+    load_plugins(loader, path);
     if (command.list_plugins)
       return print(plugin_table(loader, path)), 0;
     for (const PluginLoader::Result &plugin : loader.results())

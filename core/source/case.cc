@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.h"
+#include "text_file.h"
 
 #include <feib/case.h>
 #include <feib/expression.h>
@@ -331,28 +332,7 @@ namespace feib
   std::string
   Case::read(const std::string &file)
   {
-    // The first character says whether the rest is the text or the reason why there is none.
-    std::string answer;
-    const bool parallel = dealii::Utilities::MPI::job_supports_mpi();
-    if (!parallel || dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-      {
-        std::error_code problem;
-        std::ifstream stream(file);
-        std::ostringstream content;
-        if (std::filesystem::is_directory(file, problem))
-          answer = "!is a folder";
-        else if (!std::filesystem::exists(file, problem))
-          answer = "!there is no such file";
-        else if (!stream || (stream.peek(), content << stream.rdbuf(), stream.bad()))
-          answer = "!cannot be read";
-        else
-          answer = "=" + content.str();
-      }
-    if (parallel)
-      answer = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, answer);
-    if (answer[0] == '!')
-      throw Error(file + ": " + answer.substr(1));
-    return answer.substr(1);
+    return read_text_file(file, file, false);
   }
 
 

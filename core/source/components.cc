@@ -115,7 +115,8 @@ namespace feib
               {
                 std::ostringstream message;
                 message << "the structure \"" << structure.model->name()
-                        << "\" is not inside the box: node " << i << " starts at ("
+                        << "\" is not inside the box: node "
+                        << structure.model->mesh().node_number(i) << " starts at ("
                         << structure.model->positions[i] << "), the box goes from ("
                         << space->domain().lower << ") to (" << space->domain().upper << ")";
                 block.fail(block.has("initial_position") ? "initial_position" : "mesh",

@@ -131,6 +131,8 @@ namespace feib
              << model.mesh().n_elements() << " elements with edges of " << shortest << " to "
              << longest << "; the longest is " << longest / h_x
              << " times the smallest cells' edge, " << h_x << '\n';
+        for (const auto &remark : model.mesh().remarks())
+          text << "warning: the structure \"" << model.name() << "\": " << remark.text << '\n';
       }
     return text.str();
   }

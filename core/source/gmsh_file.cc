@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gmsh_file.h"
+#include "text_file.h"
 
 #include <feib/error.h>
+#include <feib/message.h>
 
-#include <fstream>
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <map>
-#include <sstream>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -13,36 +19,134 @@ namespace feib
 {
   namespace
   {
+    const char *const formats = "Feib reads ASCII files of the formats 2.2 and 4.1 "
+                                "(Mesh.MshFileVersion, with Mesh.Binary = 0)";
+
+    /// A kind of elements by Gmsh's number.
+    struct Kind
+    {
+      std::string name;
+      unsigned int dimension;
+      bool simplex;
+    };
+
+    Kind
+    kind_of(const int type)
+    {
+      switch (type)
+        {
+          case 15:
+            return {"points", 0, true};
+          case 1:
+            return {"segments", 1, true};
+          case 2:
+            return {"triangles", 2, true};
+          case 4:
+            return {"tetrahedra", 3, true};
+          case 3:
+            return {"quadrilaterals", 2, false};
+          case 5:
+            return {"hexahedra", 3, false};
+          case 6:
+            return {"prisms", 3, false};
+          case 7:
+            return {"pyramids", 3, false};
+          case 8:
+            return {"segments of second order", 1, false};
+          case 9:
+            return {"triangles of second order", 2, false};
+          case 11:
+            return {"tetrahedra of second order", 3, false};
+          default:
+            return {"elements of Gmsh type " + std::to_string(type), 3, false};
+        }
+    }
+
+
     // Why not deal.II's GridIn: it refuses marked lines and faces inside a body, and cannot say
     // what a file of the wrong dimension holds instead.
     class Reader
     {
     public:
-      Reader(const std::string &name, GmshFile &result)
+      Reader(const std::string &name, const std::string &text, GmshFile &result)
         : name(name)
-        , input(name)
+        , text(text)
         , result(result)
       {
-        if (!input)
-          throw Error("file \"" + name + "\" cannot be opened");
         read();
+        for (unsigned int m = 1; m < 4; ++m)
+          join_groups(m);
       }
 
     private:
       [[noreturn]] void
       fail(const std::string &message) const
       {
-        throw Error("file \"" + name + "\" " + message +
-                    "; an ASCII Gmsh file of format 2.2 or 4.1 is needed");
+        throw Error("file \"" + name + "\", line " + std::to_string(line) + ": " + message);
+      }
+
+      /// Goes to the next word; whether there is one.
+      bool
+      find_word()
+      {
+        for (; at < text.size() && std::isspace(static_cast<unsigned char>(text[at])); ++at)
+          line += text[at] == '\n';
+        return at < text.size();
+      }
+
+      std::string_view
+      word()
+      {
+        if (!find_word())
+          fail("the file ends inside " + section);
+        const std::size_t begin = at;
+        while (at < text.size() && !std::isspace(static_cast<unsigned char>(text[at])))
+          ++at;
+        return text.substr(begin, at - begin);
+      }
+
+      /// The rest of the line.
+      std::string_view
+      rest()
+      {
+        const std::size_t begin = at;
+        at                      = std::min(text.find('\n', at), text.size());
+        return text.substr(begin, at - begin);
+      }
+
+      std::string
+      quoted(const std::string_view found) const
+      {
+        return '"' + readable(std::string(found), 30) + '"';
       }
 
       template <typename T>
       T
-      get()
+      number(const char *const what)
       {
-        T value;
-        if (!(input >> value))
-          fail("ends, or is not readable, inside " + section);
+        const std::string_view found = word();
+        T value{};
+        const auto [end, problem] =
+          std::from_chars(found.data(), found.data() + found.size(), value);
+        if (problem != std::errc() || end != found.data() + found.size())
+          fail("found " + quoted(found) + " in " + section + " where " + what + " is expected");
+        return value;
+      }
+
+      std::size_t
+      count()
+      {
+        return number<std::size_t>("a count");
+      }
+
+      double
+      real()
+      {
+        const std::string copy(word());
+        char *end          = nullptr;
+        const double value = std::strtod(copy.c_str(), &end);
+        if (end != copy.c_str() + copy.size() || !std::isfinite(value))
+          fail("found " + quoted(copy) + " in " + section + " where a finite number is expected");
         return value;
       }
 
@@ -50,241 +154,303 @@ namespace feib
       skip(const std::size_t n)
       {
         for (std::size_t i = 0; i < n; ++i)
-          get<std::string>();
+          word();
       }
 
       void
       read()
       {
-        double version = 0;
-        while (input >> section)
+        if (!find_word())
+          fail("the file is empty; " + std::string(formats));
+        while (find_word())
           {
-            if (section[0] != '$')
-              fail("has \"" + section.substr(0, 20) + "\" where a section was expected");
-            if (section == "$MeshFormat")
-              {
-                version                 = get<double>();
-                const unsigned int type = get<unsigned int>();
-                if ((version != 2.2 && version != 4.1) || type != 0)
-                  {
-                    std::ostringstream found;
-                    found << "is of format " << version << (type == 0 ? "" : " binary");
-                    fail(found.str());
-                  }
-              }
+            section           = "the file";
+            const auto header = word();
+            if (header[0] != '$')
+              fail("found " + quoted(header) + " where a section ($...) is expected; " + formats);
+            section = readable(std::string(header), 30);
+            if (header == "$MeshFormat")
+              read_format();
             else if (version == 0)
-              fail("does not begin with $MeshFormat");
-            else if (section == "$Entities")
-              read_entities();
-            else if (section == "$PartitionedEntities")
-              read_partitioned_entities();
-            else if (section == "$Nodes")
+              fail("found " + quoted(header) + " where $MeshFormat is expected; " + formats);
+            else if (header == "$Entities")
+              read_entities(false);
+            else if (header == "$PartitionedEntities")
+              read_entities(true);
+            else if (header == "$Nodes")
               version == 2.2 ? read_nodes_2() : read_nodes_4();
-            else if (section == "$Elements")
+            else if (header == "$Elements")
               version == 2.2 ? read_elements_2() : read_elements_4();
-
-            const std::string end = "$End" + section.substr(1);
-            std::string word      = get<std::string>();
-            if ((section == "$Nodes" || section == "$Elements") && word != end)
-              fail("holds more in " + section + " than its count says");
-            while (word != end)
-              word = get<std::string>();
+            else
+              {
+                const std::string end = "$End" + std::string(header.substr(1));
+                while (word() != end)
+                  ;
+                continue;
+              }
+            if (const auto end = word(); end != "$End" + section.substr(1))
+              fail("found " + quoted(end) + " where $End" + section.substr(1) +
+                   " is expected: " + section + " holds more than its counts say");
           }
-        if (version == 0)
-          fail("is empty");
       }
 
       void
-      read_entities()
+      read_format()
       {
-        read_entities_by_dimension(false);
+        version         = real();
+        const auto type = number<int>("0 for ASCII or 1 for binary");
+        count(); // bytes of a number
+        if (type != 0 || (version != 2.2 && version != 4.1))
+          fail("the file is of format " + readable(version) + (type == 0 ? "" : ", binary") + "; " +
+               formats);
       }
 
       /// Elements of a partitioned file belong to parts of entities, which have the groups.
       void
-      read_partitioned_entities()
+      read_entities(const bool partitioned)
       {
-        skip(1);
-        const std::size_t n_ghosts = get<std::size_t>();
-        for (std::size_t i = 0; i < n_ghosts; ++i)
-          skip(2);
-        read_entities_by_dimension(true);
-      }
-
-      void
-      read_entities_by_dimension(const bool partitioned)
-      {
+        entities_listed = true;
+        if (partitioned)
+          {
+            skip(1);
+            const std::size_t n_ghosts = count();
+            for (std::size_t i = 0; i < n_ghosts; ++i)
+              skip(2);
+          }
         std::array<std::size_t, 4> n;
         for (std::size_t &n_of_dimension : n)
-          n_of_dimension = get<std::size_t>();
+          n_of_dimension = count();
         for (unsigned int dimension = 0; dimension < 4; ++dimension)
           for (std::size_t i = 0; i < n[dimension]; ++i)
             {
-              const int tag = get<int>();
+              const auto tag = number<int>("the number of an entity");
               if (partitioned)
                 {
                   skip(2); // dimension and tag of the whole
-                  skip(get<std::size_t>());
+                  skip(count());
                 }
-              skip(dimension == 0 ? 3 : 6);
-              const std::size_t n_groups = get<std::size_t>();
+              skip(dimension == 0 ? 3 : 6); // place
+              std::vector<int> &groups = groups_of[{dimension, tag}];
+              groups.clear();
+              const std::size_t n_groups = count();
               for (std::size_t g = 0; g < n_groups; ++g)
-                {
-                  const int group = get<int>();
-                  if (g == 0)
-                    physical_group[{dimension, tag}] = std::abs(group);
-                }
+                groups.push_back(std::abs(number<int>("a physical group")));
               if (dimension > 0)
-                skip(get<std::size_t>());
+                skip(count());
             }
       }
 
       void
-      add_node(const std::size_t tag)
+      add_node(const std::uint64_t tag)
       {
-        std::array<double, 3> x;
-        for (double &coordinate : x)
-          coordinate = get<double>();
-        if (!number.try_emplace(tag, result.nodes.size()).second)
-          fail("has node " + std::to_string(tag) + " twice");
-        result.nodes.push_back(x);
+        GmshFile::Node node;
+        node.number = tag;
+        for (double &coordinate : node.place)
+          coordinate = real();
+        if (!index.try_emplace(tag, result.nodes.size()).second)
+          fail("node " + std::to_string(tag) + " stands here a second time");
+        node.line = line;
+        result.nodes.push_back(node);
       }
 
       void
       read_nodes_2()
       {
-        const std::size_t n = get<std::size_t>();
-        for (std::size_t i = 0; i < n; ++i)
-          add_node(get<std::size_t>());
+        for (std::size_t n = count(); n > 0; --n)
+          add_node(number<std::uint64_t>("the number of a node"));
       }
 
       void
       read_nodes_4()
       {
-        const std::size_t n_blocks = get<std::size_t>();
-        skip(3);
+        const std::size_t n_blocks = count(), n_all = count();
+        skip(2);
         for (std::size_t b = 0; b < n_blocks; ++b)
           {
-            const unsigned int dimension = get<unsigned int>();
+            const auto dimension = number<unsigned int>("the dimension of an entity");
             skip(1);
-            const bool parametric = get<int>() != 0;
+            const bool parametric = number<int>("0 or 1") != 0;
             // The count is not believed: memory grows with what is read.
-            std::vector<std::size_t> tags;
-            for (std::size_t n = get<std::size_t>(); n > 0; --n)
-              tags.push_back(get<std::size_t>());
-            for (const std::size_t tag : tags)
+            std::vector<std::uint64_t> tags;
+            for (std::size_t n = count(); n > 0; --n)
+              tags.push_back(number<std::uint64_t>("the number of a node"));
+            for (const std::uint64_t tag : tags)
               {
                 add_node(tag);
                 if (parametric)
                   skip(dimension);
               }
           }
+        check_total(n_all, result.nodes.size());
       }
 
       void
-      add_element_number()
+      check_total(const std::size_t said, const std::size_t there) const
       {
-        const std::size_t tag = get<std::size_t>();
+        if (said != there)
+          fail(section + " says that it holds " + std::to_string(said) + ", its blocks hold " +
+               std::to_string(there));
+      }
+
+      std::uint64_t
+      element_number()
+      {
+        const auto tag = number<std::uint64_t>("the number of an element");
         if (!elements.insert(tag).second)
-          fail("has element " + std::to_string(tag) + " twice");
+          fail("element " + std::to_string(tag) + " stands here a second time");
+        return tag;
       }
 
       /// Takes the rest of the line: the nodes of an element.
       void
-      add_element(const int type, const unsigned int material_id)
+      add_element(const Kind &kind, GmshFile::Simplex simplex)
       {
-        std::string line;
-        std::getline(input, line);
-        const unsigned int dimension = type == 1 ? 1 : type == 2 ? 2 : type == 4 ? 3 : 0;
-        if (dimension > 0)
+        if (!kind.simplex)
           {
-            std::istringstream words(line);
-            GmshFile::Simplex simplex{{}, material_id};
-            for (unsigned int k = 0; k <= dimension; ++k)
+            rest();
+            if (kind.dimension > result.others_dimension)
               {
-                std::size_t tag;
-                if (!(words >> tag) || number.count(tag) == 0)
-                  fail("has an element with a node that does not exist");
-                simplex.nodes[k] = number[tag];
+                result.others           = kind.name;
+                result.others_dimension = kind.dimension;
               }
-            result.simplices[dimension].push_back(simplex);
+            return;
           }
-        else if (type != 15)
+        const std::size_t first_line = line;
+        const std::string said       = "element " + std::to_string(simplex.number) + " of the " +
+                                 kind.name + " needs " + std::to_string(kind.dimension + 1) +
+                                 " nodes, ";
+        for (unsigned int k = 0; k <= kind.dimension; ++k)
           {
-            static const std::map<int, std::pair<const char *, unsigned int>> names = {
-              {3, {"quadrilaterals", 2}},
-              {5, {"hexahedra", 3}},
-              {6, {"prisms", 3}},
-              {7, {"pyramids", 3}},
-              {8, {"segments of second order", 1}},
-              {9, {"triangles of second order", 2}},
-              {11, {"tetrahedra of second order", 3}}};
-            const auto found = names.find(type);
-            const auto [words, others_dimension] =
-              found == names.end()
-                ? std::make_pair("elements of Gmsh type " + std::to_string(type), 3u)
-                : std::make_pair(std::string(found->second.first), found->second.second);
-            if (others_dimension > result.others_dimension)
+            if (find_word() && line != first_line)
               {
-                result.others           = words;
-                result.others_dimension = others_dimension;
+                line = first_line;
+                fail(said + "found " + std::to_string(k));
               }
+            const auto tag   = number<std::uint64_t>("the number of a node");
+            const auto found = index.find(tag);
+            if (found == index.end())
+              fail("element " + std::to_string(simplex.number) + " has node " +
+                   std::to_string(tag) + ", which does not exist");
+            simplex.nodes[k] = found->second;
           }
+        if (const auto more = rest(); more.find_first_not_of(" \t\r\v\f") != more.npos)
+          fail(said + "found more: " + quoted(more));
+        if (kind.dimension > 0)
+          result.simplices[kind.dimension].push_back(simplex);
       }
 
       void
       read_elements_2()
       {
-        const std::size_t n = get<std::size_t>();
-        for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t n = count(); n > 0; --n)
           {
-            add_element_number();
-            const int type            = get<int>();
-            const unsigned int n_tags = get<unsigned int>();
-            unsigned int material_id  = 0;
-            for (unsigned int t = 0; t < n_tags; ++t)
+            GmshFile::Simplex simplex{{}, 0, 0, element_number()};
+            const Kind kind          = kind_of(number<int>("the type of an element"));
+            const std::size_t n_tags = count();
+            for (std::size_t t = 0; t < n_tags; ++t)
               {
-                const int tag = get<int>();
+                const int tag = number<int>("a tag of an element");
                 if (t == 0)
-                  material_id = std::abs(tag);
+                  simplex.material_id = std::abs(tag);
+                else if (t == 1)
+                  simplex.entity = tag;
               }
-            add_element(type, material_id);
+            add_element(kind, simplex);
           }
       }
 
       void
       read_elements_4()
       {
-        const std::size_t n_blocks = get<std::size_t>();
-        skip(3);
+        const std::size_t n_blocks = count(), n_all = count();
+        skip(2);
         for (std::size_t b = 0; b < n_blocks; ++b)
           {
-            const unsigned int dimension   = get<unsigned int>();
-            const int tag                  = get<int>();
-            const int type                 = get<int>();
-            const std::size_t n            = get<std::size_t>();
-            const auto group               = physical_group.find({dimension, tag});
-            const unsigned int material_id = group == physical_group.end() ? 0 : group->second;
-            for (std::size_t i = 0; i < n; ++i)
+            const auto dimension = number<unsigned int>("the dimension of an entity");
+            const auto entity    = number<int>("the number of an entity");
+            const Kind kind      = kind_of(number<int>("the type of elements"));
+            if (kind.simplex && kind.dimension != dimension)
+              fail(kind.name + " belong to an entity of dimension " +
+                   std::to_string(kind.dimension) + ", found one of dimension " +
+                   std::to_string(dimension));
+            const auto groups = groups_of.find({dimension, entity});
+            if (entities_listed && groups == groups_of.end())
+              fail(kind.name + " belong to the entity " + std::to_string(entity) +
+                   " of dimension " + std::to_string(dimension) +
+                   ", which $Entities does not list");
+            const bool grouped = groups != groups_of.end() && !groups->second.empty();
+            for (std::size_t n = count(); n > 0; --n)
               {
-                add_element_number();
-                add_element(type, material_id);
+                const std::uint64_t tag = element_number();
+                add_element(kind, {{}, grouped ? groups->second[0] : 0, entity, tag});
+                if (grouped && groups->second.size() > 1 && kind.simplex)
+                  add_several(dimension, tag, groups->second[0], groups->second[1]);
               }
           }
+        check_total(n_all, elements.size());
+      }
+
+      void
+      add_several(const unsigned int dimension,
+                  const std::uint64_t element,
+                  const int kept,
+                  const int other)
+      {
+        GmshFile::Several &several = result.several[dimension];
+        if (several.count++ == 0)
+          several = {1, element, kept, other};
+      }
+
+      /// Format 2.2 writes an element once for each of its groups: one is kept, the first.
+      void
+      join_groups(const unsigned int dimension)
+      {
+        auto &simplices = result.simplices[dimension];
+        const auto key  = [&](const unsigned int e) {
+          std::array<unsigned int, 4> nodes = simplices[e].nodes;
+          std::sort(nodes.begin(), nodes.begin() + dimension + 1);
+          return nodes;
+        };
+        struct First
+        {
+          unsigned int element;
+          bool repeated;
+        };
+        std::map<std::array<unsigned int, 4>, First> firsts;
+        std::vector<GmshFile::Simplex> kept;
+        for (unsigned int e = 0; e < simplices.size(); ++e)
+          {
+            const auto [place, is_new]     = firsts.try_emplace(key(e), First{e, false});
+            First &first                   = place->second;
+            const GmshFile::Simplex &known = simplices[first.element], &now = simplices[e];
+            // An element repeated in one group, or by another entity, is not meant.
+            if (is_new || now.material_id == known.material_id || now.entity != known.entity)
+              kept.push_back(now);
+            else if (!first.repeated)
+              {
+                first.repeated = true;
+                add_several(dimension, known.number, known.material_id, now.material_id);
+              }
+          }
+        simplices = std::move(kept);
       }
 
       const std::string name;
-      std::ifstream input;
+      const std::string_view text;
       GmshFile &result;
-      std::string section;
-      std::map<std::pair<unsigned int, int>, int> physical_group; // of an entity (4.1)
-      std::unordered_map<std::size_t, unsigned int> number;       // of a node by its tag
-      std::unordered_set<std::size_t> elements;                   // their numbers
+      std::size_t at = 0, line = 1;
+      std::string section  = "the file";
+      double version       = 0; // not read yet
+      bool entities_listed = false;
+      std::map<std::pair<unsigned int, int>, std::vector<int>> groups_of; // of an entity (4.1)
+      std::unordered_map<std::uint64_t, unsigned int> index;              // of a node by its number
+      std::unordered_set<std::uint64_t> elements;                         // their numbers
     };
   } // namespace
 
   GmshFile::GmshFile(const std::string &file)
   {
-    Reader(file, *this);
+    const std::string text = read_text_file(file, "file \"" + readable(file) + "\"", true);
+    Reader(readable(file), text, *this);
   }
 } // namespace feib

@@ -3,6 +3,7 @@
 #define feib_gmsh_file_h
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,18 +12,36 @@ namespace feib
   /// What a Gmsh file (format 2.2 or 4.1, ASCII) holds of linear simplices.
   struct GmshFile
   {
+    struct Node
+    {
+      std::array<double, 3> place;
+      std::uint64_t number;
+      std::size_t line; // of the file
+    };
+
     /// A segment, triangle or tetrahedron (dimension 1, 2, 3).
     struct Simplex
     {
-      std::array<unsigned int, 4> nodes; // dimension + 1 used
-      unsigned int material_id;          // the physical group, 0 where there is none
+      std::array<unsigned int, 4> nodes; // indices; dimension + 1 used
+      int material_id;                   // the (first) physical group, 0 where there is none
+      int entity;                        // that of the geometry
+      std::uint64_t number;
     };
 
-    /// Throws Error, saying what was found, when the file is missing or cannot be read.
+    /// Elements in several physical groups: the first group is kept.
+    struct Several
+    {
+      std::uint64_t count = 0, example = 0; // the number of one of them
+      int kept = 0, other = 0;              // its groups
+    };
+
+    /// Throws Error with line, what was found and what is allowed, when the file is missing, cannot
+    /// be read, or contradicts itself. Collective: rank 0 reads.
     explicit GmshFile(const std::string &file);
 
-    std::vector<std::array<double, 3>> nodes;
+    std::vector<Node> nodes;
     std::array<std::vector<Simplex>, 4> simplices; // by dimension; [0] stays empty
+    std::array<Several, 4> several;                // by dimension
     /// What else it holds, of the highest dimension, e.g. "quadrilaterals"; empty when nothing.
     std::string others;
     unsigned int others_dimension = 0;

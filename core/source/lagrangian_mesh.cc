@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -99,8 +100,8 @@ namespace feib
         }
       element.measure = determinant(edges) / (m == 3 ? 6 : m);
       if (!has_frame || !(element.measure > 1e-12 * std::pow(element.diameter, m)))
-        throw Error("element " + std::to_string(element.number) + " at " +
-                    text(element.centroid) + " is degenerate: its corners lie " +
+        throw Error("element " + std::to_string(element.number) + " at " + text(element.centroid) +
+                    " is degenerate: its corners lie " +
                     (m == 1   ? "in one point"
                      : m == 2 ? "on one line"
                               : "in one plane"));
@@ -149,8 +150,7 @@ namespace feib
             throw Error(std::to_string(n) + " elements share one face (elements " +
                         std::to_string(simplices[sides[i].second].number) + ", " +
                         std::to_string(simplices[sides[i + 1].second].number) + ", " +
-                        std::to_string(simplices[sides[i + 2].second].number) +
-                        "); at most 2 may");
+                        std::to_string(simplices[sides[i + 2].second].number) + "); at most 2 may");
           faces.push_back({sides[i].first,
                            {{sides[i].second, n == 2 ? sides[i + 1].second : invalid}},
                            {{invalid, invalid}}});
@@ -211,7 +211,7 @@ namespace feib
                 {
                   const auto &pair         = faces[f].elements;
                   const unsigned int other = pair[pair[0] == e];
-                  const bool agree = direction(e, faces[f]) != direction(other, faces[f]);
+                  const bool agree         = direction(e, faces[f]) != direction(other, faces[f]);
                   if (known[other])
                     {
                       two_sides = two_sides && agree;
@@ -230,57 +230,158 @@ namespace feib
       return two_sides;
     }
 
-    /// How often the closed part of a curve or surface goes round a place: the sum of the angles
-    /// (3D: solid angles, by the formula of van Oosterom and Strackee) of its elements, over that
-    /// of the circle or sphere.
+    /// Gives numbers to elements without one. What is wrong with single elements is thrown.
     template <int dim>
-    double
-    winding_number(const std::vector<std::array<unsigned int, dim>> &part,
-                   const Positions<dim> &X,
-                   const Point<dim> &place)
+    void
+    check_nodes(std::vector<Simplex<dim>> &simplices,
+                const LagrangianMesh<dim> &mesh,
+                const unsigned int m)
     {
-      double sum = 0;
-      for (const auto &nodes : part)
+      std::vector<bool> used(mesh.n_nodes(), false);
+      for (unsigned int e = 0; e < simplices.size(); ++e)
         {
-          Tensor<2, dim> v;
-          for (unsigned int k = 0; k < dim; ++k)
-            v[k] = X[nodes[k]] - place;
-          double cosine = v[0] * v[1];
-          if constexpr (dim == 3)
+          Simplex<dim> &simplex = simplices[e];
+          if (simplex.number == LagrangianMesh<dim>::unnumbered)
+            simplex.number = e;
+          for (unsigned int k = 0; k <= m; ++k)
             {
-              const double a = v[0].norm(), b = v[1].norm(), c = v[2].norm();
-              cosine = a * b * c + (v[0] * v[1]) * c + (v[1] * v[2]) * a + (v[2] * v[0]) * b;
+              AssertIndexRange(simplex.nodes[k], mesh.n_nodes());
+              used[simplex.nodes[k]] = true;
+              for (unsigned int l = 0; l < k; ++l)
+                if (simplex.nodes[k] == simplex.nodes[l])
+                  throw Error("element " + std::to_string(simplex.number) +
+                              " is degenerate: it has node " +
+                              std::to_string(mesh.node_number(simplex.nodes[k])) + " at " +
+                              text(mesh.nodes()[simplex.nodes[k]]) + " twice");
             }
-          sum += std::atan2(determinant(v), cosine);
         }
-      return sum / (2 * dealii::numbers::PI); // a solid angle is twice the angle summed
+      for (unsigned int i = 0; i < used.size(); ++i)
+        if (!used[i])
+          throw Error("node " + std::to_string(mesh.node_number(i)) + " at " +
+                      text(mesh.nodes()[i]) + " belongs to no element");
     }
 
-    /// Whether most of some nodes of @p part lie inside @p other.
     template <int dim>
-    bool
-    is_inside(const std::vector<std::array<unsigned int, dim>> &part,
-              const std::vector<std::array<unsigned int, dim>> &other,
-              const Positions<dim> &X)
+    void
+    check_repeats(const std::vector<Simplex<dim>> &simplices, const unsigned int m)
     {
-      const std::size_t n = std::min<std::size_t>(part.size(), 9);
+      std::vector<std::pair<std::array<unsigned int, dim + 1>, unsigned int>> keys;
+      keys.reserve(simplices.size());
+      for (unsigned int e = 0; e < simplices.size(); ++e)
+        {
+          keys.emplace_back(simplices[e].nodes, e);
+          auto &nodes = keys.back().first;
+          std::fill(nodes.begin() + m + 1, nodes.end(), LagrangianMesh<dim>::invalid);
+          std::sort(nodes.begin(), nodes.begin() + m + 1);
+        }
+      std::sort(keys.begin(), keys.end());
+      for (unsigned int i = 1; i < keys.size(); ++i)
+        if (keys[i].first == keys[i - 1].first)
+          throw Error("element " + std::to_string(simplices[keys[i].second].number) +
+                      " repeats element " + std::to_string(simplices[keys[i - 1].second].number) +
+                      ": it has the same nodes");
+    }
+
+    /// A closed part of a curve or surface.
+    template <int dim>
+    struct Part
+    {
+      std::vector<std::array<unsigned int, dim>> facets;
+      std::array<double, dim> low, high; // the box around it
+      std::uint64_t number;              // of its first element
+    };
+
+    template <int dim>
+    std::vector<Part<dim>>
+    make_parts(const std::vector<unsigned int> &part_of,
+               const LagrangianMesh<dim> &mesh,
+               const Positions<dim> &X)
+    {
+      std::vector<Part<dim>> parts;
+      for (unsigned int e = 0; e < part_of.size(); ++e)
+        {
+          if (part_of[e] == parts.size())
+            {
+              parts.emplace_back();
+              parts.back().low.fill(std::numeric_limits<double>::max());
+              parts.back().high.fill(std::numeric_limits<double>::lowest());
+              parts.back().number = mesh.elements()[e].number;
+            }
+          Part<dim> &part = parts[part_of[e]];
+          part.facets.push_back(mesh.surface()[e]);
+          for (const unsigned int i : part.facets.back())
+            for (unsigned int a = 0; a < dim; ++a)
+              {
+                part.low[a]  = std::min(part.low[a], X[i][a]);
+                part.high[a] = std::max(part.high[a], X[i][a]);
+              }
+        }
+      return parts;
+    }
+
+    /// How often a closed part goes round a place: the sum of the angles (3D: solid angles, by the
+    /// formula of van Oosterom and Strackee) of its elements, over that of the circle or sphere.
+    /// Not a number on the part itself.
+    template <int dim>
+    double
+    winding_number(const Part<dim> &part, const Positions<dim> &X, const Point<dim> &place)
+    {
+      constexpr double pi = dealii::numbers::PI;
       double sum          = 0;
+      for (const auto &nodes : part.facets)
+        {
+          Tensor<2, dim> v;
+          double size = 1;
+          for (unsigned int k = 0; k < dim; ++k)
+            {
+              v[k] = X[nodes[k]] - place;
+              size *= v[k].norm();
+            }
+          double cosine = v[0] * v[1];
+          if constexpr (dim == 3)
+            cosine = size + (v[0] * v[1]) * v[2].norm() + (v[1] * v[2]) * v[0].norm() +
+                     (v[2] * v[0]) * v[1].norm();
+          const double angle = std::atan2(determinant(v), cosine);
+          if (size == 0 || std::abs(angle) > pi - 1e-6)
+            return std::numeric_limits<double>::quiet_NaN();
+          sum += angle;
+        }
+      return sum / (2 * pi); // a solid angle is twice the angle summed
+    }
+
+    /// The share of some nodes of @p part, without those on @p other, that lies inside @p other.
+    template <int dim>
+    double
+    share_inside(const Part<dim> &part, const Part<dim> &other, const Positions<dim> &X)
+    {
+      const std::size_t n   = std::min<std::size_t>(part.facets.size(), 32);
+      unsigned int n_inside = 0, n_all = 0;
       for (std::size_t i = 0; i < n; ++i)
-        sum += std::abs(winding_number<dim>(other, X, X[part[i * part.size() / n][0]]));
-      return sum > n / 2.;
+        {
+          const Point<dim> &x = X[part.facets[i * part.facets.size() / n][0]];
+          bool near           = true;
+          for (unsigned int a = 0; a < dim; ++a)
+            near = near && x[a] >= other.low[a] && x[a] <= other.high[a];
+          const double turns = near ? std::abs(winding_number<dim>(other, X, x)) : 0;
+          if (std::isnan(turns))
+            continue;
+          ++n_all;
+          n_inside += turns > .5;
+        }
+      return n_all == 0 ? 0 : double(n_inside) / n_all;
     }
 
     /// The measure that a closed part encloses, positive when its normals point outward.
     template <int dim>
     double
-    enclosed(const std::vector<std::array<unsigned int, dim>> &part, const Positions<dim> &X)
+    enclosed(const Part<dim> &part, const Positions<dim> &X)
     {
       double sum = 0;
-      for (const auto &nodes : part)
+      for (const auto &nodes : part.facets)
         {
           Tensor<2, dim> edges;
           for (unsigned int k = 0; k < dim; ++k)
-            edges[k] = X[nodes[k]] - X[part[0][0]];
+            edges[k] = X[nodes[k]] - X[part.facets[0][0]];
           sum += determinant(edges) / (dim == 2 ? 2 : 6);
         }
       return sum;
@@ -290,33 +391,16 @@ namespace feib
   template <int dim>
   LagrangianMesh<dim>::LagrangianMesh(const unsigned int structure_dim,
                                       std::vector<Point<dim>> places,
-                                      const std::vector<Simplex> &given)
+                                      const std::vector<Simplex> &given,
+                                      std::vector<std::uint64_t> numbers)
     : m(structure_dim)
     , node_places(std::move(places))
+    , node_numbers(std::move(numbers))
   {
     Assert(m == dim || m + 1 == dim, dealii::ExcInternalError());
     std::vector<Simplex> simplices = given;
-    std::vector<bool> used(node_places.size(), false);
-    for (unsigned int e = 0; e < simplices.size(); ++e)
-      {
-        if (simplices[e].number == unnumbered)
-          simplices[e].number = e;
-        for (unsigned int k = 0; k <= m; ++k)
-          {
-            AssertIndexRange(simplices[e].nodes[k], node_places.size());
-            used[simplices[e].nodes[k]] = true;
-            for (unsigned int l = 0; l < k; ++l)
-              if (simplices[e].nodes[k] == simplices[e].nodes[l])
-                throw Error("element " + std::to_string(simplices[e].number) +
-                            " is degenerate: it has the node at " +
-                            text(node_places[simplices[e].nodes[k]]) + " twice");
-          }
-      }
-    for (unsigned int i = 0; i < used.size(); ++i)
-      if (!used[i])
-        throw Error("node " + std::to_string(i) + " at " + text(node_places[i]) +
-                    " belongs to no element");
-
+    check_nodes<dim>(simplices, *this, m);
+    check_repeats<dim>(simplices, m);
     face_list = make_faces<dim>(simplices, m);
     is_closed = std::none_of(face_list.begin(), face_list.end(), [](const Face &face) {
       return face.at_boundary();
@@ -328,18 +412,25 @@ namespace feib
       element_list.push_back(make_element<dim>(simplex, m));
     find_opposite_vertices();
     if (m == dim)
-      for (const Face &face : face_list)
-        if (!face.at_boundary())
-          {
-            const Element &first = element_list[face.elements[0]];
-            const Element &other = element_list[face.elements[1]];
-            if (side<dim>(first, face.opposite[0]) == side<dim>(other, face.opposite[1]))
-              throw Error("elements " + std::to_string(first.number) + " and " +
-                          std::to_string(other.number) + " at " + text(first.centroid) +
-                          " lie on the same side of the face they share: they overlap, or the "
-                          "mesh is folded there");
-          }
+      check_sides();
     find_facets();
+  }
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::check_sides() const
+  {
+    for (const Face &face : face_list)
+      if (!face.at_boundary())
+        {
+          const Element &first = element_list[face.elements[0]];
+          const Element &other = element_list[face.elements[1]];
+          if (side<dim>(first, face.opposite[0]) == side<dim>(other, face.opposite[1]))
+            throw Error("elements " + std::to_string(first.number) + " and " +
+                        std::to_string(other.number) + " at " + text(first.centroid) +
+                        " lie on the same side of the face they share: they overlap, or the "
+                        "mesh is folded there");
+        }
   }
 
   template <int dim>
@@ -371,8 +462,8 @@ namespace feib
     for (const Face &face : face_list)
       if (!face.at_boundary())
         {
-          const auto [low, high] = std::minmax(root(face.elements[0]), root(face.elements[1]));
-          parent[high]           = low;
+          const unsigned int a = root(face.elements[0]), b = root(face.elements[1]);
+          parent[std::max(a, b)] = std::min(a, b);
         }
     for (unsigned int e = 0, n = 0; e < result.size(); ++e)
       result[e] = parent[e] == e ? n++ : result[root(e)];
@@ -394,19 +485,23 @@ namespace feib
     if (m == dim || !is_closed)
       return;
     const std::vector<unsigned int> part_of = parts();
-    std::vector<std::vector<Facet>> facets;
-    for (unsigned int e = 0; e < element_list.size(); ++e)
+    const std::vector<Part<dim>> all        = make_parts<dim>(part_of, *this, X);
+    std::vector<bool> turned(all.size());
+    for (unsigned int p = 0; p < all.size(); ++p)
       {
-        facets.resize(std::max<std::size_t>(facets.size(), part_of[e] + 1));
-        facets[part_of[e]].push_back(surface_facets[e]);
-      }
-    std::vector<bool> turned(facets.size());
-    for (unsigned int p = 0; p < facets.size(); ++p)
-      {
-        turned[p] = enclosed<dim>(facets[p], X) < 0;
-        for (unsigned int q = 0; q < facets.size(); ++q)
-          if (q != p && is_inside<dim>(facets[p], facets[q], X))
-            turned[p] = !turned[p];
+        turned[p] = enclosed<dim>(all[p], X) < 0;
+        for (unsigned int q = 0; q < all.size(); ++q)
+          {
+            const double share = q == p ? 0 : share_inside<dim>(all[p], all[q], X);
+            if (share > .5)
+              turned[p] = !turned[p];
+            if (share > 0 && share < 1)
+              add_remark({"overlap",
+                          share,
+                          "its part of element " + std::to_string(all[p].number) +
+                            " crosses that of element " + std::to_string(all[q].number) +
+                            ": what they enclose is no area or volume that can be measured"});
+          }
       }
     for (unsigned int e = 0; e < element_list.size(); ++e)
       if (turned[part_of[e]])
@@ -474,6 +569,10 @@ namespace feib
     AssertDimension(material_ids.size(), element_list.size());
     for (unsigned int e = 0; e < element_list.size(); ++e)
       element_list[e].material_id = material_ids[e];
+    remark_list.erase(std::remove_if(remark_list.begin(),
+                                     remark_list.end(),
+                                     [](const Remark &remark) { return remark.kind == "groups"; }),
+                      remark_list.end());
     find_facets();
   }
 
@@ -517,6 +616,27 @@ namespace feib
   LagrangianMesh<dim>::faces() const
   {
     return face_list;
+  }
+
+  template <int dim>
+  std::uint64_t
+  LagrangianMesh<dim>::node_number(const unsigned int i) const
+  {
+    return node_numbers.empty() ? i : node_numbers[i];
+  }
+
+  template <int dim>
+  const std::vector<typename LagrangianMesh<dim>::Remark> &
+  LagrangianMesh<dim>::remarks() const
+  {
+    return remark_list;
+  }
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::add_remark(Remark remark)
+  {
+    remark_list.push_back(std::move(remark));
   }
 
   template <int dim>

@@ -46,9 +46,12 @@ namespace feib
       }
 
       LagrangianMesh<dim>
-      build(const unsigned int structure_dim)
+      build(const unsigned int structure_dim, std::vector<std::uint64_t> node_numbers = {})
       {
-        return LagrangianMesh<dim>(structure_dim, std::move(nodes), simplices);
+        return LagrangianMesh<dim>(structure_dim,
+                                   std::move(nodes),
+                                   simplices,
+                                   std::move(node_numbers));
       }
     };
 
@@ -343,15 +346,10 @@ namespace feib
 
     // --- any dimension
 
-    template <int dim>
-    LagrangianMesh<dim>
-    gmsh(const Parameters &block, const unsigned int structure_dim)
+    /// What a file must hold for a structure.
+    void
+    check_content(const GmshFile &file, const unsigned int structure_dim, const int dim)
     {
-      const std::string name = block.string("file");
-      const std::string path = name.empty() || name[0] == '/' || block.directory().empty()
-                                 ? name
-                                 : block.directory() + "/" + name;
-      const GmshFile file(path);
       static const char *const names[] = {"points", "segments", "triangles", "tetrahedra"};
       std::string found;
       for (unsigned int m = 3; m > 0; --m)
@@ -364,36 +362,162 @@ namespace feib
       for (unsigned int m = structure_dim + 1; m < 4; ++m)
         fits = fits && file.simplices[m].empty();
       if (!fits)
-        throw Error("file \"" + path + "\" holds " + (found.empty() ? "no elements" : found) +
+        throw Error("holds " + (found.empty() ? "no elements" : found) +
                     "; a structure of dimension " + std::to_string(structure_dim) +
                     " in dimension " + std::to_string(dim) + " needs " + names[structure_dim] +
-                    ", and nothing of higher dimension or order");
+                    ", and nothing of higher dimension or order" +
+                    (file.others.empty() ? "" : " (Mesh.ElementOrder = 1, Mesh.RecombineAll = 0)"));
+    }
 
-      Builder<dim> builder;
-      std::vector<unsigned int> number(file.nodes.size(), LagrangianMesh<dim>::invalid);
-      for (const GmshFile::Simplex &simplex : file.simplices[structure_dim])
+    /// For each place, the index of the first one that is the same but for round-off.
+    template <int dim>
+    std::vector<unsigned int>
+    places_without_repeats(const std::vector<Point<dim>> &places)
+    {
+      // Along a direction that no mesh is aligned with, few others are near.
+      Tensor<1, dim> direction;
+      for (unsigned int a = 0; a < dim; ++a)
+        direction[a] = std::pow(.7548776662466927, a);
+      std::vector<std::pair<double, unsigned int>> order;
+      double extent = 0;
+      for (unsigned int i = 0; i < places.size(); ++i)
         {
-          std::vector<unsigned int> nodes;
-          for (unsigned int k = 0; k <= structure_dim; ++k)
-            {
-              const unsigned int i = simplex.nodes[k];
-              if (number[i] == LagrangianMesh<dim>::invalid)
-                {
-                  Point<dim> place;
-                  for (unsigned int c = 0; c < 3; ++c)
-                    if (c < dim)
-                      place[c] = file.nodes[i][c];
-                    else if (std::abs(file.nodes[i][c]) > 1e-10)
-                      throw Error("file \"" + path +
-                                  "\" has nodes outside the plane z = 0, where " +
-                                  "a structure in dimension 2 must lie");
-                  number[i] = builder.node(place);
-                }
-              nodes.push_back(number[i]);
-            }
-          builder.simplex(nodes, simplex.material_id);
+          order.emplace_back(direction * (places[i] - places[0]), i);
+          extent = std::max(extent, places[i].distance(places[0]));
         }
-      return builder.build(structure_dim);
+      std::sort(order.begin(), order.end());
+      const double tolerance = 1e-8 * extent;
+      std::vector<unsigned int> result(places.size());
+      for (unsigned int k = 0; k < order.size(); ++k)
+        {
+          const unsigned int i = order[k].second;
+          result[i]            = i;
+          for (unsigned int l = k; l-- > 0 && order[k].first - order[l].first < 2 * tolerance;)
+            if (const unsigned int j = order[l].second; places[i].distance(places[j]) <= tolerance)
+              {
+                result[i] = result[j];
+                break;
+              }
+        }
+      std::vector<unsigned int> smallest(places.size(), places.size());
+      for (unsigned int i = 0; i < places.size(); ++i)
+        {
+          unsigned int &index = smallest[result[i]];
+          index               = std::min(index, i);
+          result[i]           = index;
+        }
+      return result;
+    }
+
+    /// The places of the nodes that elements of the structure use. @p used: their indices in the
+    /// file.
+    template <int dim>
+    std::vector<Point<dim>>
+    used_places(const GmshFile &file,
+                const unsigned int structure_dim,
+                std::vector<unsigned int> &used)
+    {
+      std::vector<bool> is_used(file.nodes.size(), false);
+      for (const GmshFile::Simplex &simplex : file.simplices[structure_dim])
+        for (unsigned int k = 0; k <= structure_dim; ++k)
+          is_used[simplex.nodes[k]] = true;
+      std::vector<Point<dim>> places;
+      double largest = 0;
+      for (unsigned int i = 0; i < file.nodes.size(); ++i)
+        if (is_used[i])
+          {
+            used.push_back(i);
+            places.emplace_back();
+            for (unsigned int a = 0; a < dim; ++a)
+              places.back()[a] = file.nodes[i].place[a];
+            largest = std::max(largest, places.back().distance(places.front()));
+          }
+      for (const unsigned int i : used)
+        if (dim == 2 && std::abs(file.nodes[i].place[2]) > 1e-8 * largest)
+          throw Error("has nodes outside the plane z = 0, where a structure in dimension 2 must "
+                      "lie, as node " +
+                      std::to_string(file.nodes[i].number) + " in line " +
+                      std::to_string(file.nodes[i].line) +
+                      " with z = " + readable(file.nodes[i].place[2]));
+      return places;
+    }
+
+    /// Says what is doubtful about the mesh of a file. @p example: the numbers of two nodes at one
+    /// place.
+    template <int dim>
+    void
+    add_remarks(LagrangianMesh<dim> &mesh,
+                const GmshFile::Several &several,
+                const unsigned int n_unmerged,
+                const std::pair<std::uint64_t, std::uint64_t> &example)
+    {
+      if (several.count > 0)
+        mesh.add_remark(
+          {"groups",
+           double(several.count),
+           std::to_string(several.count) +
+             " of its elements are in several physical groups of the file, as element " +
+             std::to_string(several.example) + " in " + std::to_string(several.kept) + " and " +
+             std::to_string(several.other) + ": the first one is taken for the material"});
+      if (n_unmerged == 0)
+        return;
+      const std::vector<unsigned int> parts = mesh.parts();
+      const unsigned int n_parts            = *std::max_element(parts.begin(), parts.end()) + 1;
+      mesh.add_remark({"unmerged_nodes",
+                       double(n_unmerged),
+                       std::to_string(n_unmerged) + " of its nodes lie where others do, as nodes " +
+                         std::to_string(example.first) + " and " + std::to_string(example.second) +
+                         ", and are not joined: they move apart. The mesh has " +
+                         std::to_string(n_parts) + (n_parts == 1 ? " part" : " parts") +
+                         "; \"merge\": true in its block makes one node of "
+                         "those at one place"});
+    }
+
+    template <int dim>
+    LagrangianMesh<dim>
+    gmsh(const std::string &path, const unsigned int structure_dim, const bool merge)
+    {
+      const GmshFile file(path);
+      Builder<dim> builder;
+      std::vector<std::uint64_t> numbers;
+      unsigned int n_unmerged = 0;
+      std::pair<std::uint64_t, std::uint64_t> example;
+      try
+        {
+          check_content(file, structure_dim, dim);
+          std::vector<unsigned int> used;
+          const std::vector<Point<dim>> places  = used_places<dim>(file, structure_dim, used);
+          const std::vector<unsigned int> first = places_without_repeats(places);
+          std::vector<unsigned int> node_of(file.nodes.size()); // of the structure
+          for (unsigned int i = 0; i < places.size(); ++i)
+            {
+              const std::uint64_t number = file.nodes[used[i]].number;
+              if (first[i] != i && n_unmerged++ == 0)
+                example = {file.nodes[used[first[i]]].number, number};
+              if (merge && first[i] != i)
+                node_of[used[i]] = node_of[used[first[i]]];
+              else
+                {
+                  node_of[used[i]] = builder.node(places[i]);
+                  numbers.push_back(number);
+                }
+            }
+          for (const GmshFile::Simplex &simplex : file.simplices[structure_dim])
+            {
+              std::vector<unsigned int> nodes;
+              for (unsigned int k = 0; k <= structure_dim; ++k)
+                nodes.push_back(node_of[simplex.nodes[k]]);
+              builder.simplex(nodes, simplex.material_id);
+              builder.simplices.back().number = simplex.number;
+            }
+          LagrangianMesh<dim> mesh = builder.build(structure_dim, std::move(numbers));
+          add_remarks(mesh, file.several[structure_dim], merge ? 0 : n_unmerged, example);
+          return mesh;
+        }
+      catch (const Error &error)
+        {
+          throw Error("file \"" + readable(path) + "\": " + error.issues().front().message);
+        }
     }
 
     // --- by name
@@ -450,9 +574,13 @@ namespace feib
                     std::to_string(structure_dim) + ": " + allowed + "gmsh");
     if (name != "gmsh")
       return named_mesh(name, block, std::integral_constant<int, dim>());
+    const std::string file = block.string("file");
+    const std::string path = file.empty() || file[0] == '/' || block.directory().empty()
+                               ? file
+                               : block.directory() + "/" + file;
     try
       {
-        return gmsh<dim>(block, structure_dim);
+        return gmsh<dim>(path, structure_dim, block.boolean("merge"));
       }
     catch (const Error &error)
       {

@@ -192,7 +192,8 @@ namespace feib
             {
               std::ostringstream message;
               message << "the structure \"" << structure.model->name() << "\" leaves the box: node "
-                      << i << " moves to (" << structure.model->positions[i] << ")";
+                      << structure.model->mesh().node_number(i) << " moves to ("
+                      << structure.model->positions[i] << ")";
               throw RunFailure(message.str());
             }
       // A periodic box has no outside: there an unstable run shows in elements longer than the box.
@@ -264,6 +265,7 @@ namespace feib
       accounts.ledger.add(accounts.add(0, 0., 0., {}, {}));
       parts.control->start(control_state());
       record.stability_limit = parts.integrator->stability_limit(parts.system()).dt;
+      check_meshes(parts, 0., verdict);
       check_structures(parts, 0., verdict);
       check_overlap(parts, 0., verdict);
     }

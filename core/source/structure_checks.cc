@@ -14,8 +14,8 @@ namespace feib
     {
       double longest = 0; // edge
       double flattest =
-        std::numeric_limits<double>::infinity(); // smallest height over longest edge
-      unsigned int longest_element = 0, flattest_element = 0;
+        std::numeric_limits<double>::infinity();               // smallest height over longest edge
+      std::uint64_t longest_element = 0, flattest_element = 0; // their numbers
       unsigned int n_turned = 0; // of a body: elements with another sense than most
     };
 
@@ -37,7 +37,7 @@ namespace feib
           if (longest > result.longest)
             {
               result.longest         = longest;
-              result.longest_element = e;
+              result.longest_element = element.number;
             }
           if (m > 1)
             {
@@ -53,7 +53,7 @@ namespace feib
               if (size < result.flattest)
                 {
                   result.flattest         = size;
-                  result.flattest_element = e;
+                  result.flattest_element = element.number;
                 }
               if (m == dim && determinant(edges) <= 0)
                 ++n_negative;
@@ -144,6 +144,19 @@ namespace feib
 
   template <int dim>
   void
+  check_meshes(const Components<dim> &components, const double time, Verdict &verdict)
+  {
+    for (const ImmersedStructure<dim> &structure : components.structures)
+      for (const auto &remark : structure.model->mesh().remarks())
+        verdict.warn(remark.kind,
+                     time,
+                     remark.value,
+                     "the structure \"" + structure.model->name() + "\": " + remark.text);
+  }
+
+
+  template <int dim>
+  void
   check_structures(const Components<dim> &components, const double time, Verdict &verdict)
   {
     const double h = components.space->smallest_edge();
@@ -215,6 +228,8 @@ namespace feib
   }
 
 
+  template void check_meshes(const Components<2> &, double, Verdict &);
+  template void check_meshes(const Components<3> &, double, Verdict &);
   template void check_overlap(const Components<2> &, double, Verdict &);
   template void check_overlap(const Components<3> &, double, Verdict &);
   template void check_structures(const Components<2> &, double, Verdict &);

@@ -7,6 +7,10 @@
 
 namespace feib
 {
+  /// Warns of what is doubtful about the structures' meshes, whatever their state.
+  template <int dim>
+  void check_meshes(const Components<dim> &components, double time, Verdict &verdict);
+
   /// Warns of what makes the structures' geometry doubtful at the present state: elements longer
   /// than the fluid's cells, of bad shape, folded; structures near a wall. The same
   /// on all ranks.

@@ -2,6 +2,7 @@
 #ifndef feib_elastic_structure_h
 #define feib_elastic_structure_h
 
+#include <feib/body_fault.h>
 #include <feib/constitutive_law.h>
 #include <feib/expression.h>
 #include <feib/failure.h>
@@ -101,6 +102,9 @@ namespace feib
 
     Positions<dim> initial_positions(const Parameters &parameters) const;
 
+    /// Throws Error where elements are inverted that must not be, and where a body is none.
+    void check_initial_positions(const Parameters &parameters) const;
+
     /// At rest when not given.
     NodalField<dim> initial_velocities(const Parameters &parameters) const;
 
@@ -172,6 +176,8 @@ namespace feib
     if constexpr (m == dim)
       if (parameters.has("material"))
         set_materials(parameters);
+    this->positions = initial_positions(parameters);
+    reference_mesh.orient_closed_parts(this->positions);
     std::tie(first, last) = reference_mesh.local_elements();
     element_faces.resize(reference_mesh.n_elements() * (m + 1));
     for (unsigned int f = 0; f < reference_mesh.faces().size(); ++f)
@@ -203,18 +209,27 @@ namespace feib
             node_masses[element.nodes[k]] += excess * element.measure / (m + 1);
       }
     this->velocities = initial_velocities(parameters);
-    this->positions  = initial_positions(parameters);
+    check_initial_positions(parameters);
+  }
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::check_initial_positions(const Parameters &parameters) const
+  {
     if (const auto inverted = find_inverted(gradients(this->positions)))
       {
-        const dealii::Point<dim> &s = reference_mesh.elements()[inverted->element].centroid;
+        const auto &element = reference_mesh.elements()[inverted->element];
         std::string place;
         for (unsigned int i = 0; i < dim; ++i)
-          place += (i ? ", " : "") + readable(s[i]);
+          place += (i ? ", " : "") + readable(element.centroid[i]);
         parameters.fail("initial_position",
-                        "inverts element " + std::to_string(inverted->element) +
+                        "inverts element " + std::to_string(element.number) +
                           " at the reference place (" + place + "): det F = " +
                           readable(inverted->determinant) + "; the law needs det F > 0 everywhere");
       }
+    if constexpr (m == dim)
+      if (const std::string fault = body_fault(reference_mesh, this->positions); !fault.empty())
+        parameters.fail(parameters.has("initial_position") ? "initial_position" : "mesh", fault);
   }
 
   template <int structure_dim, int dim>
@@ -334,7 +349,8 @@ namespace feib
         for (unsigned int a = 0; a < dim; ++a)
           V[i][a] = V0->value(reference_mesh.nodes()[i], a);
         if (!std::isfinite(V[i].norm()))
-          parameters.fail("initial_velocity", "is not finite at node " + std::to_string(i));
+          parameters.fail("initial_velocity",
+                          "is not finite at node " + std::to_string(reference_mesh.node_number(i)));
       }
     return V;
   }
@@ -431,7 +447,7 @@ namespace feib
     std::vector<Matrix> F = gradients(X);
     if (const auto inverted = find_inverted(F))
       throw RunFailure("structure " + structure_name + ": element " +
-                       std::to_string(inverted->element) +
+                       std::to_string(reference_mesh.elements()[inverted->element].number) +
                        " is inverted (det F = " + readable(inverted->determinant) +
                        "), where its law has no energy; a smaller time step may help");
     return F;
@@ -467,8 +483,8 @@ namespace feib
           if (!finite(values[e - first]))
             {
               std::ostringstream text;
-              text << "it is not finite in element " << e << ", at the reference place ("
-                   << reference_mesh.elements()[e].centroid << ")";
+              text << "it is not finite in element " << reference_mesh.elements()[e].number
+                   << ", at the reference place (" << reference_mesh.elements()[e].centroid << ")";
               throw RunFailure(text.str());
             }
       },

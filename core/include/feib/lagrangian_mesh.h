@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -71,16 +72,26 @@ namespace feib
       std::uint64_t number; // for messages: its number in the file, or its index
     };
 
+    /// What is doubtful about the mesh, though it can be used: a warning of the run (Verdict).
+    struct Remark
+    {
+      std::string kind; // one word
+      double value;     // how much of it
+      std::string text;
+    };
+
     LagrangianMesh() = default;
 
-    /// @p node_places: the reference coordinates of each node. Elements of dimension m = dim are
-    /// oriented to positive measure, those of a curve or surface like their neighbours. Throws
-    /// Error for a degenerate element, for a node without element, for a face of more than two
-    /// elements, for two elements on one side of a face of a body, and for a closed surface that
-    /// has one side only.
+    /// @p node_places: the reference coordinates of each node. @p node_numbers: for messages, the
+    /// numbers of the nodes in the file they come from; empty: their indices. Elements of dimension
+    /// m = dim are oriented to positive measure, those of a curve or surface like their neighbours.
+    /// Throws Error for a degenerate element, for two elements with the same nodes, for a node
+    /// without element, for a face of more than two elements, for two elements on one side of a
+    /// face of a body, and for a closed surface that has one side only.
     LagrangianMesh(unsigned int structure_dim,
                    std::vector<dealii::Point<dim>> node_places,
-                   const std::vector<Simplex> &simplices);
+                   const std::vector<Simplex> &simplices,
+                   std::vector<std::uint64_t> node_numbers = {});
 
     /// m
     unsigned int structure_dim() const;
@@ -89,6 +100,9 @@ namespace feib
     const std::vector<dealii::Point<dim>> &nodes() const;
     const std::vector<Element> &elements() const;
     const std::vector<Face> &faces() const;
+
+    /// For messages: the number of node @p i in the file it comes from, or i.
+    std::uint64_t node_number(unsigned int i) const;
 
     /// Nodes of a facet of dimension dim - 1. Its normal lies, in two dimensions, to the right of
     /// the direction from the first node to the second; in three the nodes turn to the left about
@@ -102,7 +116,8 @@ namespace feib
     /// id.
     const std::vector<Facet> &interfaces() const;
 
-    /// Gives each element its material id, one per element.
+    /// Gives each element its material id, one per element. Remarks of the kind "groups" about
+    /// those there were are void.
     void set_materials(const std::vector<unsigned int> &material_ids);
 
     /// The part that each element belongs to, 0, 1, ...: a part is connected through faces.
@@ -110,8 +125,12 @@ namespace feib
 
     /// Turns the parts of a closed curve or surface whose nodes are at @p X so that normals point
     /// out of what it encloses: what lies inside an odd number of its parts, as the space between
-    /// two of them, one in the other. Nothing happens to other structures.
+    /// two of them, one in the other. Nothing happens to other structures. Remarks on parts that
+    /// cross each other (kind "overlap"), which enclose nothing that could be measured.
     void orient_closed_parts(const Positions<dim> &X);
+
+    const std::vector<Remark> &remarks() const;
+    void add_remark(Remark remark);
 
     /// Whether the structure has no boundary face.
     bool closed() const;
@@ -133,13 +152,17 @@ namespace feib
 
     void find_opposite_vertices();
 
+    void check_sides() const;
+
     void turn(Element &element);
 
     unsigned int m = dim;
     std::vector<dealii::Point<dim>> node_places;
+    std::vector<std::uint64_t> node_numbers; // empty: the indices
     std::vector<Element> element_list;
     std::vector<Face> face_list;
     std::vector<Facet> surface_facets, interface_facets;
+    std::vector<Remark> remark_list;
     bool is_closed = false;
   };
 } // namespace feib

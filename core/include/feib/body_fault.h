@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#ifndef feib_body_fault_h
+#define feib_body_fault_h
+
+#include <feib/lagrangian_mesh.h>
+
+#include <string>
+
+namespace feib
+{
+  /// Why nodes at @p X make no body: elements flat or turned over against the others, or one whose
+  /// centre lies in another (so that most of a doubly filled part of the space is found). "" when
+  /// nothing is wrong. The mesh is one of dimension dim; what is said follows "initial_position".
+  template <int dim>
+  std::string body_fault(const LagrangianMesh<dim> &mesh, const Positions<dim> &X);
+} // namespace feib
+
+#endif
