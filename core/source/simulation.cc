@@ -168,10 +168,12 @@ namespace feib
         return;
       {
         const Timers::Section section(parts.timers, "refinement");
-        for (const ImmersedStructure<dim> &structure : parts.structures)
-          structure.set_geometry(*parts.space, structure.model->positions);
         InertialLoad<dim> inertia(*parts.space, parts.structures, 1.);
-        parts.fluid->project(*parts.space, inertia.empty() ? nullptr : &inertia);
+        const bool heavy = !inertia.empty();
+        if (heavy)
+          for (const ImmersedStructure<dim> &structure : parts.structures)
+            structure.set_geometry(*parts.space, structure.model->positions);
+        parts.fluid->project(*parts.space, heavy ? &inertia : nullptr);
       }
       ++record.remeshes;
       record.remesh_seconds += seconds_since(remesh_start);
