@@ -34,7 +34,8 @@ namespace feib
       {
         const StructureModel<dim> &model = *structure.model;
         initial_energy.push_back(model.energy(model.positions));
-        stiffness.push_back(model.stiffness(model.positions).reference * model.measure(model.positions));
+        stiffness.push_back(model.stiffness(model.positions).reference *
+                            model.measure(model.positions));
         unit += 1e-6 * stiffness.back();
       }
   }

@@ -7,11 +7,6 @@ namespace feib
 {
   namespace
   {
-    // Legendre coefficients, on [-1, 1], of the three shape functions of Q2: [degree][function].
-    constexpr double line_modes[3][3] = {{1 / 6., 2 / 3., 1 / 6.},
-                                         {-.5, 0., .5},
-                                         {1 / 3., -2 / 3., 1 / 3.}};
-
     // |L_n|^2 / |N_n|^2; there is no N_0.
     constexpr double norm_ratio[3] = {0., 5 / 2., 21 / 2.};
 

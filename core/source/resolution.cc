@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "resolution.h"
 
+#include <feib/reconstruction.h>
+
 #include <deal.II/base/mpi.h>
+
+#include <algorithm>
 
 namespace feib
 {
@@ -9,13 +13,9 @@ namespace feib
   double
   roughness(const EulerianSpace<dim> &space)
   {
-    // Legendre coefficients of the shape functions on a line, [degree][function], and the squares
-    // of the norms of L_0, L_1, L_2.
-    constexpr double modes[3][3] = {{1 / 6., 2 / 3., 1 / 6.},
-                                    {-.5, 0., .5},
-                                    {1 / 3., -2 / 3., 1 / 3.}};
-    constexpr double squares[3]  = {1, 1 / 3., 1 / 5.};
-    constexpr unsigned int n     = EulerianSpace<dim>::n_nodes;
+    // Squares of the norms of L_0, L_1, L_2 on a line.
+    constexpr double squares[3] = {1, 1 / 3., 1 / 5.};
+    constexpr unsigned int n    = EulerianSpace<dim>::n_nodes;
 
     double linear = 0, rest = 0;
     for (unsigned int c = 0; c < space.cells().size(); ++c)
@@ -36,7 +36,7 @@ namespace feib
                     const unsigned int degree = j / stride % 3, first = j - degree * stride;
                     transformed[j] = 0;
                     for (unsigned int k = 0; k < 3; ++k)
-                      transformed[j] += modes[degree][k] * values[first + k * stride];
+                      transformed[j] += line_modes[degree][k] * values[first + k * stride];
                   }
                 std::copy(transformed, transformed + n, values);
               }

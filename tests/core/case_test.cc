@@ -93,9 +93,10 @@ TEST(Case, PlacesOfIssues)
   EXPECT_EQ(problems(replaced("\"step\": 0.1, ", "")),
             "folder/case.json:5:11: error: /time: the required key \"step\" is missing\n");
   EXPECT_EQ(problems("{}").substr(0, 31), "folder/case.json:1:1: error: th");
-  EXPECT_EQ(problems(replaced("\"step\"", "\"a/b~c\": 1, \"step\"")),
-            "folder/case.json:5:22: error: /time/a~1b~0c: unknown key \"a/b~c\"; allowed are "
-            "\"step\", \"end\", \"control\", \"energy_growth\", \"measure_tolerance\", \"integrator\"\n");
+  EXPECT_EQ(
+    problems(replaced("\"step\"", "\"a/b~c\": 1, \"step\"")),
+    "folder/case.json:5:22: error: /time/a~1b~0c: unknown key \"a/b~c\"; allowed are "
+    "\"step\", \"end\", \"control\", \"energy_growth\", \"measure_tolerance\", \"integrator\"\n");
 }
 
 TEST(Case, SyntaxErrors)

@@ -266,10 +266,9 @@ TEST_F(BadInput, SizesThatNoMachineHolds)
 {
   refused(changed("\"step\": 0.1", "\"step\": 1e-300"),
           {"case.json:6:21: error: /time/step: the end is "});
-  refused(
-    changed("[2, 2]", "[100000, 100000]"),
-    {"case.json:3:24: error: /domain/cells: found 1e+10 cells in all, at most 1e8 "
-     "are allowed"});
+  refused(changed("[2, 2]", "[100000, 100000]"),
+          {"case.json:3:24: error: /domain/cells: found 1e+10 cells in all, at most 1e8 "
+           "are allowed"});
 }
 
 TEST_F(BadInput, NamesOfStructuresThatClash)

@@ -205,7 +205,8 @@ TEST_F(Validate, ExpressionsOfStructuresAreTriedWhereTheyAreUsed)
   material["hyperelastic"]["material"]         = "1/(s1-s1)";
   description["structures"]                    = {modulus, fibres, position, material};
   refused(description,
-          {{"/structures/0/hyperelastic/law/neo_hookean/shear_modulus", "must be finite and positive"},
+          {{"/structures/0/hyperelastic/law/neo_hookean/shear_modulus",
+            "must be finite and positive"},
            {"/structures/1/hyperelastic/law/mooney_rivlin_fibres/fibres/0"},
            {"/structures/2/hyperelastic/initial_position", "nan"},
            {"/structures/3/hyperelastic/material", "inf"}});

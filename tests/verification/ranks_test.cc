@@ -70,8 +70,9 @@ namespace
               continue;
             // Relative to the largest value of the column; sums that cancel, to 1e-6, and parts of
             // the energy to a thousandth of the whole.
-            const std::set<std::string> parts = {"convected", "numerical", "unexplained", "remeshing", "closure"};
-            double scale                      = 1e-6;
+            const std::set<std::string> parts = {
+              "convected", "numerical", "unexplained", "remeshing", "closure"};
+            double scale = 1e-6;
             if (parts.count(one.columns[c]) != 0)
               scale = 1e-3 * one.rows[0][total];
             for (const auto &row : one.rows)

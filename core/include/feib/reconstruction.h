@@ -6,6 +6,12 @@
 
 namespace feib
 {
+  /// Legendre coefficients, on [-1, 1], of the three shape functions of Q2 on a line:
+  /// [degree][function].
+  constexpr double line_modes[3][3] = {{1 / 6., 2 / 3., 1 / 6.},
+                                       {-.5, 0., .5},
+                                       {1 / 3., -2 / 3., 1 / 3.}};
+
   /// R, which makes a discretely divergence-free velocity pointwise divergence-free, cell by cell.
   ///
   /// With d_m the Legendre coefficients of div v for the modes m that P1 does not hold,

@@ -164,10 +164,6 @@ namespace feib
     static constexpr unsigned int n         = dim == 2 ? 9 : 27;
     static constexpr unsigned int stride[3] = {1, 3, 9};
 
-    static constexpr double line_modes[3][3] = {{1 / 6., 2 / 3., 1 / 6.},
-                                                {-.5, 0., .5},
-                                                {1 / 3., -2 / 3., 1 / 3.}};
-
     // What a coefficient of L_1, L_2 gives in the derivative, to L_0, L_1.
     static constexpr double derivative[3] = {0., 1., 3.};
 

@@ -259,7 +259,7 @@ namespace feib::testing
     for_each_example([](const auto &model, const auto &X) {
       if (model.load_points().nodes_per_point > 1)
         return;
-      constexpr int dim  = std::decay_t<decltype(X[0])>::dimension;
+      constexpr int dim           = std::decay_t<decltype(X[0])>::dimension;
       const auto [kappa, spatial] = model.stiffness(X);
       EXPECT_GT(kappa, 0);
       EXPECT_GT(spatial, 0);
