@@ -21,14 +21,15 @@ namespace feib
     static constexpr unsigned int not_here = static_cast<unsigned int>(-1);
 
     /// Builds the tree for a box of @p base_cells cells, which are those of the triangulation's
-    /// level @p base_level. Leaves that are locally owned get the
-    /// numbers 0, 1, ... in the order of active_cell_iterators().
-    void rebuild(const dealii::parallel::distributed::Triangulation<dim> &triangulation,
-                 unsigned int base_level,
-                 const dealii::Point<dim> &lower,
-                 const dealii::Point<dim> &upper,
-                 const std::array<unsigned int, dim> &base_cells,
-                 const std::array<bool, dim> &periodic);
+    /// level @p base_level. The locally owned cells, @p owned_cells, get the numbers 0, 1, ...
+    void rebuild(
+      const dealii::parallel::distributed::Triangulation<dim> &triangulation,
+      const std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> &owned_cells,
+      unsigned int base_level,
+      const dealii::Point<dim> &lower,
+      const dealii::Point<dim> &upper,
+      const std::array<unsigned int, dim> &base_cells,
+      const std::array<bool, dim> &periodic);
 
     /// The number of the locally owned cell that holds x, or not_here when another rank's cell does
     /// or x is outside the box or not finite. Each point inside belongs to exactly one cell on

@@ -254,15 +254,16 @@ namespace
     {
       std::vector<double> points;
       points.reserve(3 * feib::EulerianSpace<dim>::n_nodes * space.cells().size());
-      for (const auto &cell : space.cells())
-        for (unsigned int i = 0; i < feib::EulerianSpace<dim>::n_nodes; ++i)
-          {
-            Point<dim> x      = cell.lower;
-            unsigned int rest = i;
-            for (unsigned int a = 0; a < dim; ++a, rest /= 3)
-              x[a] += cell.size[a] * (rest % 3) / 2.;
-            append(points, x);
-          }
+      for (const auto &cell : space.triangulation().active_cell_iterators())
+        if (cell->is_locally_owned())
+          for (unsigned int i = 0; i < feib::EulerianSpace<dim>::n_nodes; ++i)
+            {
+              Point<dim> x      = cell->vertex(0);
+              unsigned int rest = i;
+              for (unsigned int a = 0; a < dim; ++a, rest /= 3)
+                x[a] += cell->extent_in_direction(a) * (rest % 3) / 2.;
+              append(points, x);
+            }
       return points;
     }
 

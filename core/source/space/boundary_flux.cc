@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "boundary_flux.h"
 
+#include "cell_order.h"
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
@@ -67,8 +69,10 @@ namespace feib
     const auto &fe                    = handler.get_fe();
     std::vector<dealii::types::global_dof_index> indices(fe.n_dofs_per_cell());
     double net = 0, gross = 0;
-    for (const auto &cell : handler.active_cell_iterators())
-      if (cell->is_locally_owned() && cell->at_boundary())
+    using Mesh = dealii::parallel::distributed::Triangulation<dim>;
+    for (const auto &ordered :
+         cells_in_order(dynamic_cast<const Mesh &>(handler.get_triangulation())))
+      if (const auto cell = in_handler(ordered, handler); cell->at_boundary())
         for (unsigned int f = 0; f < 2 * dim; ++f)
           if (cell->at_boundary(f) && box.faces[f].condition == BoundaryCondition::velocity)
             {

@@ -68,6 +68,7 @@ namespace feib
   void
   CartesianForest<dim>::rebuild(
     const dealii::parallel::distributed::Triangulation<dim> &triangulation,
+    const std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> &owned_cells,
     const unsigned int base_level,
     const dealii::Point<dim> &lower_corner,
     const dealii::Point<dim> &upper_corner,
@@ -89,9 +90,8 @@ namespace feib
 
     std::vector<unsigned int> owned(triangulation.n_active_cells(), not_here);
     unsigned int n_owned = 0;
-    for (const auto &cell : triangulation.active_cell_iterators())
-      if (cell->is_locally_owned())
-        owned[cell->active_cell_index()] = n_owned++;
+    for (const auto &cell : owned_cells)
+      owned[cell->active_cell_index()] = n_owned++;
 
     nodes.assign(n_base, Node{-1, not_here});
 

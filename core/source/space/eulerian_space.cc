@@ -2,10 +2,12 @@
 #include <feib/eulerian_space.h>
 
 #include "boundary_flux.h"
+#include "cell_order.h"
 #include "velocity_constraints.h"
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/distributed/solution_transfer.h>
+#include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
@@ -124,6 +126,9 @@ namespace feib
   {
     velocity_dof_handler.distribute_dofs(velocity_fe);
     pressure_dof_handler.distribute_dofs(pressure_fe);
+    // In the order of the forest, whatever the history of the mesh and the number of ranks.
+    dealii::DoFRenumbering::hierarchical(velocity_dof_handler);
+    dealii::DoFRenumbering::hierarchical(pressure_dof_handler);
     make_constraints(present_time);
 
     // Ghosts: what the cells around need, and what constraints of those lead to.
@@ -146,7 +151,8 @@ namespace feib
     std::array<bool, dim> periodic;
     for (unsigned int a = 0; a < dim; ++a)
       periodic[a] = box.periodic(a);
-    locator.rebuild(mesh, base_level, box.lower, box.upper, box.cells, periodic);
+    const auto ordered = cells_in_order(mesh);
+    locator.rebuild(mesh, ordered, base_level, box.lower, box.upper, box.cells, periodic);
 
     cell_list.clear();
     velocity_dof_table.clear();
@@ -155,33 +161,30 @@ namespace feib
       dealii::FETools::hierarchic_to_lexicographic_numbering<dim>(2);
     std::vector<dealii::types::global_dof_index> indices(n_velocity), pressure_indices(n_pressure);
     smallest_edge_length = std::numeric_limits<double>::max();
-    for (const auto &cell : velocity_dof_handler.active_cell_iterators())
-      if (cell->is_locally_owned())
-        {
-          Cell flat;
-          flat.lower = cell->vertex(0);
-          flat.size  = cell->vertex((1 << dim) - 1) - cell->vertex(0);
-          flat.level = level(*cell);
-          cell_list.push_back(flat);
-          for (unsigned int a = 0; a < dim; ++a)
-            smallest_edge_length = std::min(smallest_edge_length, flat.size[a]);
+    for (const auto &cell : ordered)
+      {
+        Cell flat;
+        flat.lower = cell->vertex(0);
+        flat.size  = cell->vertex((1 << dim) - 1) - cell->vertex(0);
+        flat.level = level(*cell);
+        cell_list.push_back(flat);
+        for (unsigned int a = 0; a < dim; ++a)
+          smallest_edge_length = std::min(smallest_edge_length, flat.size[a]);
 
-          cell->get_dof_indices(indices);
-          const unsigned int offset = velocity_dof_table.size();
-          velocity_dof_table.resize(offset + n_velocity);
-          for (unsigned int i = 0; i < n_velocity; ++i)
-            {
-              const auto [component, node] = velocity_fe.system_to_component_index(i);
-              velocity_dof_table[offset + component * n_nodes + lexicographic[node]] =
-                velocity_partitioner->global_to_local(indices[i]);
-            }
+        in_handler(cell, velocity_dof_handler)->get_dof_indices(indices);
+        const unsigned int offset = velocity_dof_table.size();
+        velocity_dof_table.resize(offset + n_velocity);
+        for (unsigned int i = 0; i < n_velocity; ++i)
+          {
+            const auto [component, node] = velocity_fe.system_to_component_index(i);
+            velocity_dof_table[offset + component * n_nodes + lexicographic[node]] =
+              velocity_partitioner->global_to_local(indices[i]);
+          }
 
-          const typename dealii::DoFHandler<dim>::active_cell_iterator pressure_cell(
-            &mesh, cell->level(), cell->index(), &pressure_dof_handler);
-          pressure_cell->get_dof_indices(pressure_indices);
-          for (const auto i : pressure_indices)
-            pressure_dof_table.push_back(pressure_partitioner->global_to_local(i));
-        }
+        in_handler(cell, pressure_dof_handler)->get_dof_indices(pressure_indices);
+        for (const auto i : pressure_indices)
+          pressure_dof_table.push_back(pressure_partitioner->global_to_local(i));
+      }
     smallest_edge_length = dealii::Utilities::MPI::min(smallest_edge_length, mpi_communicator);
     fingerprint          = fingerprint_of(cell_list, mpi_communicator);
     ++revision_number;
