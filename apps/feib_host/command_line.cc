@@ -22,6 +22,8 @@ namespace feib
          "folder for the results; when not given output/NAME, NAME being the folder of a case called "
          "case.json, else the name of the file without .json")
         ("overwrite", "allow DIR to hold files; those of the same name are replaced")
+        ("restart", po::value<std::string>()->value_name("DIR"),
+         "go on with the run whose results are in DIR, from its newest checkpoint; instead of a case")
         ("set", po::value<std::vector<std::string>>()->composing()->value_name("/POINTER=VALUE"),
          "change the case: VALUE is JSON, or else a text; may be repeated")
         ("plugin-path", po::value<std::vector<std::string>>()->composing()->value_name("DIR"),
@@ -101,16 +103,30 @@ namespace feib
     if (json && describe.empty())
       throw Error("--json goes with --describe NAME");
 
+    if (values.count("restart") != 0)
+      restart = values["restart"].as<std::string>();
     const auto cases = values.count("case") != 0 ? values["case"].as<std::vector<std::string>>()
                                                  : std::vector<std::string>();
     if (cases.size() > 1)
       throw Error("one case at a time, found " + cases[0] + " and " + cases[1]);
+    if (!restart.empty())
+      {
+        if (!cases.empty())
+          throw Error("--restart " + restart + " goes on with the case it was begun with; found " +
+                      cases[0] + " too");
+        if (values.count("output") != 0 || overwrite)
+          throw Error("--restart goes on in the folder of the run: --output and --overwrite do not "
+                      "go with it");
+      }
     if (!cases.empty())
       case_file = cases[0];
-    else if (describe.empty() && !list_plugins && !schema && !version && !show_help)
+    else if (restart.empty() && describe.empty() && !list_plugins && !schema && !version &&
+             !show_help)
       throw Error("which case? feib-host CASE.json runs it; see feib-host --help");
     if (values.count("output") != 0)
       output = values["output"].as<std::string>();
+    else if (!restart.empty())
+      output = restart;
     else if (!case_file.empty())
       output = default_output(case_file);
   }
@@ -121,6 +137,7 @@ namespace feib
   {
     std::ostringstream text;
     text << "feib-host CASE.json [options]\n"
+            "feib-host --restart DIR [options]\n"
             "Runs an immersed fluid-structure simulation.\n\n"
          << options()
          << "\nExit codes: 0 done, 1 trouble while running, 2 a case or a command line that cannot "

@@ -19,7 +19,8 @@ namespace feib
     static std::string help();
 
     std::string case_file;
-    std::string output; // the folder the results go to
+    std::string output;  // the folder the results go to
+    std::string restart; // the output folder of a run to go on with
     Case::Settings settings;
     std::vector<std::string> plugin_path;
     std::string describe;

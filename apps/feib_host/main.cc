@@ -22,6 +22,7 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 namespace
@@ -37,9 +38,10 @@ namespace
                                                       {SIGUSR2, "USR2"},
                                                       {SIGXCPU, "XCPU"}};
 
-  volatile sig_atomic_t signal_received = 0;
-  volatile sig_atomic_t running         = 0;
-  volatile sig_atomic_t silent          = 0; // a rank that does not speak
+  volatile sig_atomic_t signal_received   = 0;
+  volatile sig_atomic_t checkpoint_wanted = 0;
+  volatile sig_atomic_t running           = 0;
+  volatile sig_atomic_t silent            = 0; // a rank that does not speak
 
   /// For handlers of signals, where little is allowed.
   void
@@ -50,11 +52,16 @@ namespace
   }
 
 
-  /// Asks the run to stop; before a run, and with a second signal, ends the program at once. XCPU
-  /// comes every second once its limit is reached, and is not meant anew.
+  /// Asks the run for a checkpoint (USR1), or to stop; before a run, and with a second signal, ends
+  /// the program at once. XCPU comes every second once its limit is reached, and is not meant anew.
   extern "C" void
   on_signal(const int number)
   {
+    if (running != 0 && number == SIGUSR1)
+      {
+        checkpoint_wanted = 1;
+        return;
+      }
     if (running != 0 && signal_received == 0)
       {
         signal_received = number;
@@ -163,9 +170,9 @@ namespace
   }
 
 
-  /// Makes the folder and puts the exact run there.
+  /// Makes the folder and puts the exact run there. @p goes_on: with the run whose files are there.
   void
-  prepare(const std::string &directory, const std::string &resolved)
+  prepare(const std::string &directory, const std::string &resolved, const bool goes_on)
   {
     const std::string problem = on_rank_0([&]() -> std::string {
       std::error_code error;
@@ -174,13 +181,16 @@ namespace
         return "cannot make the folder " + directory + ": " + error.message();
       // The summary of an earlier run would speak for this one until its end.
       std::filesystem::remove(std::filesystem::path(directory) / "summary.json", error);
+      // So would its checkpoints.
+      if (!goes_on)
+        std::filesystem::remove_all(std::filesystem::path(directory) / "checkpoints", error);
       std::ofstream file(std::filesystem::path(directory) / "resolved.json");
       file << resolved << '\n' << std::flush;
       return file ? "" : "cannot write into " + directory;
     });
     if (!problem.empty())
       throw RunFailure(problem);
-    log::open_file((std::filesystem::path(directory) / "log.txt").string());
+    log::open_file((std::filesystem::path(directory) / "log.txt").string(), goes_on);
   }
 
 
@@ -213,11 +223,30 @@ namespace
   }
 
 
-  /// Whether any rank was told to stop.
-  bool
-  stop_requested()
+  /// What any rank was told.
+  Request
+  requested()
   {
-    return dealii::Utilities::MPI::max(static_cast<int>(signal_received), MPI_COMM_WORLD) != 0;
+    const int mine    = signal_received != 0 ? 2 : checkpoint_wanted != 0 ? 1 : 0;
+    checkpoint_wanted = 0;
+    const int any     = dealii::Utilities::MPI::max(mine, MPI_COMM_WORLD);
+    return any == 2 ? Request::stop : any == 1 ? Request::checkpoint : Request::none;
+  }
+
+
+  /// Of Feib and of the plugins a case uses.
+  std::map<std::string, std::string>
+  versions(const PluginLoader &loader, const Case &description)
+  {
+    std::map<std::string, std::string> result = {{"Feib", version()}};
+    const std::string text                    = description.resolved();
+    for (const PluginLoader::Result &plugin : loader.results())
+      if (plugin.accepted)
+        for (const std::string &component : plugin.components)
+          if (text.find("\"" + component.substr(component.find('/') + 1) + "\":") !=
+              std::string::npos)
+            result["the plugin " + plugin.plugin] = plugin.version;
+    return result;
   }
 
 
@@ -266,14 +295,20 @@ namespace
 
   /// Whether the end was reached.
   bool
-  run(Simulation &simulation, const CommandLine &command, const Case &description)
+  run(Simulation &simulation,
+      const CommandLine &command,
+      const Case &description,
+      const std::map<std::string, std::string> &versions,
+      const std::string &checkpoint)
   {
     running = 1;
-    prepare(command.output, description.resolved());
-    log::info("Feib " + version() + ", " + command.case_file + ", results in " + command.output);
+    prepare(command.output, description.resolved(), !checkpoint.empty());
+    log::info("Feib " + version() + ", " +
+              (checkpoint.empty() ? command.case_file : "from " + checkpoint) + ", results in " +
+              command.output);
     try
       {
-        return simulation.run({command.output, show, stop_requested});
+        return simulation.run({command.output, show, requested, versions, checkpoint});
       }
     catch (...)
       {
@@ -345,28 +380,38 @@ namespace
     if (command.schema)
       return print(Schema::compose(registry).text() + "\n"), 0;
 
-    if (!command.validate)
+    if (!command.validate && command.restart.empty())
       if (const std::string problem =
             on_rank_0([&] { return refusal(command.output, command.overwrite); });
           !problem.empty())
         throw Error(problem);
 
-    const std::string text = Case::read(command.case_file);
+    CheckpointInfo checkpoint;
+    if (!command.restart.empty())
+      checkpoint = CheckpointInfo::newest(command.restart);
+    const bool goes_on     = !checkpoint.folder.empty();
+    const std::string name = goes_on ? command.restart + "/resolved.json" : command.case_file;
+    const std::string text = goes_on ? checkpoint.case_text : Case::read(command.case_file);
     std::unique_ptr<Case> description;
     std::unique_ptr<Simulation> simulation;
+    std::map<std::string, std::string> used;
     try
       {
-        description = std::make_unique<Case>(text, command.case_file, registry, command.settings);
-        simulation  = Simulation::create(*description);
+        description =
+          std::make_unique<Case>(text, name, registry, command.settings, checkpoint.case_directory);
+        used = versions(loader, *description);
+        if (goes_on)
+          checkpoint.check(*description, used);
+        simulation = Simulation::create(*description);
       }
     catch (const Error &error)
       {
-        complain(Case::format(error.issues(), text, command.case_file, command.settings));
+        complain(Case::format(error.issues(), text, name, command.settings));
         return 2;
       }
     if (command.validate)
-      return print(command.case_file + " is valid\n" + simulation->forecast()), 0;
-    return run(*simulation, command, *description) ? 0 : 1;
+      return print(name + " is valid\n" + simulation->forecast()), 0;
+    return run(*simulation, command, *description, used, checkpoint.folder) ? 0 : 1;
   }
 
 

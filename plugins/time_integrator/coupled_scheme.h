@@ -58,6 +58,12 @@ namespace feib
 
     StabilityLimit stability_limit(const System &system) const override;
 
+    void
+    archive(Archive &archive) override
+    {
+      archive("past", past);
+    }
+
     std::vector<std::pair<std::string, double>> diagnostics(const System &system,
                                                             double dt) const override;
 
@@ -110,8 +116,15 @@ namespace feib
     /// What the structures' nodes did in the last steps, for the error estimate.
     struct Motion
     {
-      double time; // half way through the step
+      double time = 0; // half way through the step
       std::vector<NodalField<dim>> velocities;
+
+      void
+      archive(Archive &archive)
+      {
+        archive("time", time);
+        archive("velocities", velocities);
+      }
     };
     std::deque<Motion> past;
   };
@@ -307,11 +320,8 @@ namespace feib
         return dt * dt * dt / 6 * difference.linfty_norm() / (tau * (tau + space.old_dt));
       }
 
-    // A step that is tried again forgets the first try.
     const double middle = time + dt / 2;
-    while (!past.empty() && past.back().time > time)
-      past.pop_back();
-    double result = std::numeric_limits<double>::infinity();
+    double result       = std::numeric_limits<double>::infinity();
     if (past.size() >= 2)
       {
         const Motion &last = past.back(), &before = past[past.size() - 2];
@@ -328,7 +338,7 @@ namespace feib
         result = dt * dt * dt / 6 * largest / ((middle - t_1) * (middle - t_2));
       }
     past.push_back({middle, U});
-    if (past.size() > 3) // the newest may have to be forgotten
+    if (past.size() > 2)
       past.pop_front();
     return result;
   }

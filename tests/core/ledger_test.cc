@@ -13,8 +13,8 @@ TEST(Ledger, KeepsRowsByColumn)
   ledger.add({{"step", 1}, {"energy", 2.0}});
   EXPECT_EQ(ledger.columns(), (std::vector<std::string>{"step", "energy"}));
   EXPECT_EQ(ledger.n_rows(), 2u);
-  EXPECT_EQ(ledger.row(0), (std::vector<double>{0, 2.5}));
-  EXPECT_EQ(ledger.value("energy", 0), 2.5);
+  EXPECT_EQ(ledger.last_row(), (std::vector<double>{1, 2.0}));
+  EXPECT_EQ(ledger.first("energy"), 2.5);
   EXPECT_EQ(ledger.last("energy"), 2.0);
 }
 
@@ -28,7 +28,7 @@ TEST(Ledger, RefusesOtherColumns)
   other.add({{"step", 0}, {"energy", 1}});
   EXPECT_THROW(other.add({{"step", 1}}), std::logic_error);
   EXPECT_THROW(other.add({{"energy", 1}, {"step", 1}}), std::logic_error);
-  EXPECT_THROW(other.value("volume", 0), std::logic_error);
+  EXPECT_THROW(other.first("volume"), std::logic_error);
   EXPECT_EQ(other.n_rows(), 1u);
 }
 

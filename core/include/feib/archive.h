@@ -30,7 +30,8 @@ namespace feib
     {};
 
     template <typename T>
-    struct HasArchive<T, std::void_t<decltype(std::declval<T &>().archive(std::declval<Archive &>()))>>
+    struct HasArchive<T,
+                      std::void_t<decltype(std::declval<T &>().archive(std::declval<Archive &>()))>>
       : std::true_type
     {};
   } // namespace internal
@@ -48,9 +49,10 @@ namespace feib
   /// pressure, objects that have such a function themselves, and containers and shared constants of
   /// these. What can be computed from other state is no state.
   ///
-  /// There are two media. One in memory undoes a step that failed. A persistent one is a checkpoint,
-  /// from which another program goes on, perhaps with another number of ranks: fields of the space
-  /// are divided between ranks, all else must be the same on all ranks. Both are collective.
+  /// There are two media. One in memory undoes a step that failed. A persistent one is a
+  /// checkpoint, from which another program goes on, perhaps with another number of ranks: fields
+  /// of the space are divided between ranks, all else must be the same on all ranks. Both are
+  /// collective.
   class Archive
   {
   public:
@@ -182,8 +184,8 @@ namespace feib
       if constexpr (is_plain<T>)
         {
           if (!is_reading)
-            return write(
-              std::string(reinterpret_cast<const char *>(values.data()), sizeof(T) * values.size()));
+            return write(std::string(reinterpret_cast<const char *>(values.data()),
+                                     sizeof(T) * values.size()));
           const std::string bytes = read();
           check_size(bytes, bytes.size() / sizeof(T) * sizeof(T));
           values.resize(bytes.size() / sizeof(T));

@@ -20,11 +20,13 @@ namespace feib
     /// Parses @p text, applies the settings (JSON pointer, value: JSON, or else taken as a string),
     /// validates against the schema composed from the registry and fills in the defaults.
     /// @p file is the name used in messages; relative file names in the case are meant from its
-    /// folder. Throws Error with all issues. The registry must outlive the case.
+    /// folder, or from @p directory when that is given. Throws Error with all issues. The registry
+    /// must outlive the case.
     Case(const std::string &text,
          const std::string &file,
          const Registry &registry,
-         const Settings &settings = {});
+         const Settings &settings     = {},
+         const std::string &directory = "");
 
     /// The text of a file, read on rank 0 and shared. Collective (a program without MPI just reads
     /// it). Throws Error when it cannot be read.

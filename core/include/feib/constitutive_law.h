@@ -2,6 +2,7 @@
 #ifndef feib_constitutive_law_h
 #define feib_constitutive_law_h
 
+#include <feib/archive.h>
 #include <feib/parameters.h>
 
 #include <deal.II/base/array_view.h>
@@ -51,6 +52,11 @@ namespace feib
     virtual void stress_derivative(const std::vector<Matrix> &F,
                                    const std::vector<Matrix> &dF,
                                    std::vector<Matrix> &dP) const = 0;
+
+    /// What the law carries from step to step. Collective.
+    virtual void
+    archive(Archive &)
+    {}
 
     /// Whether P is linear in F, so that dP does not depend on F.
     virtual bool

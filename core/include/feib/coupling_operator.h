@@ -2,6 +2,7 @@
 #ifndef feib_coupling_operator_h
 #define feib_coupling_operator_h
 
+#include <feib/archive.h>
 #include <feib/eulerian_space.h>
 #include <feib/lagrangian_points.h>
 #include <feib/matrix_entry.h>
@@ -23,6 +24,11 @@ namespace feib
     static constexpr const char *kind = "coupling_operator";
 
     virtual ~CouplingOperator() = default;
+
+    /// What the object carries from step to step. Collective.
+    virtual void
+    archive(Archive &)
+    {}
 
     /// Fixes the geometry: J at the positions X. Collective. Throws RunFailure when a point is not
     /// in the box or not finite.

@@ -2,6 +2,7 @@
 #ifndef feib_eulerian_space_h
 #define feib_eulerian_space_h
 
+#include <feib/archive.h>
 #include <feib/cartesian_forest.h>
 #include <feib/domain.h>
 
@@ -149,18 +150,31 @@ namespace feib
     /// A pressure that belongs to another time than the state.
     struct EarlierPressure
     {
-      double time;
+      double time = 0;
       PressureVector values;
+
+      void
+      archive(Archive &archive)
+      {
+        archive("time", time);
+        archive("values", values);
+      }
     };
 
     /// The latest first, kept by schemes that solve for pressures within a step.
     std::deque<EarlierPressure> earlier_pressures;
     double old_dt = 0; ///< t^n - t^{n-1}; 0 before the second step
 
+    /// The state between two steps; the mesh too where the medium is persistent, so that reading
+    /// changes the mesh. Collective.
+    void archive(Archive &archive);
+
   private:
     void distribute_dofs();
     void make_constraints(double t);
     void flatten_constraints();
+    void archive_mesh(Archive &archive);
+    std::vector<unsigned char> levels_in_order() const; // deal.II's, of all cells of all ranks
 
     Domain<dim> box;
     MPI_Comm mpi_communicator;

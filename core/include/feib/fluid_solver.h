@@ -2,6 +2,7 @@
 #ifndef feib_fluid_solver_h
 #define feib_fluid_solver_h
 
+#include <feib/archive.h>
 #include <feib/check_context.h>
 #include <feib/eulerian_space.h>
 #include <feib/implicit_load.h>
@@ -67,6 +68,17 @@ namespace feib
     /// space.velocity and space.pressure, which hold a first guess on entry. Collective. Throws
     /// RunFailure when a solve does not reach its tolerance; space.old_velocity is untouched.
     virtual Report advance(EulerianSpace<dim> &space, const Step &step) = 0;
+
+    /// The step is accepted: what advance() found last is the past from now on. Until then a
+    /// further call of advance() is for the same step, with another load or another geometry.
+    virtual void
+    commit()
+    {}
+
+    /// What the solver carries from step to step, beside the state of the space. Collective.
+    virtual void
+    archive(Archive &)
+    {}
 
     /// Makes space.velocity u discretely divergence-free by the least change of the fluid's
     /// velocity in L2, rho/2 |u - given u|^2. With @p inertia, the load J^T [ -M (J u - V) ] of

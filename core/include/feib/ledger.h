@@ -2,13 +2,16 @@
 #ifndef feib_ledger_h
 #define feib_ledger_h
 
+#include <feib/archive.h>
+
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace feib
 {
-  /// The accounts of a run: one row per step, the same columns in every row, all rows kept.
+  /// The accounts of a run: one row per step, the same columns in every row. The first and the last
+  /// row are kept.
   class Ledger
   {
   public:
@@ -22,18 +25,21 @@ namespace feib
 
     unsigned int n_rows() const;
 
-    /// The values of row @p i in the order of columns().
-    const std::vector<double> &row(unsigned int i) const;
+    /// The values of the last row in the order of columns().
+    const std::vector<double> &last_row() const;
 
-    /// The value of a column in row @p i.
-    double value(const std::string &column, unsigned int i) const;
-
-    /// The value of a column in the last row.
+    /// The value of a column in the first and in the last row.
+    double first(const std::string &column) const;
     double last(const std::string &column) const;
 
+    void archive(Archive &archive);
+
   private:
+    std::size_t place(const std::string &column) const;
+
     std::vector<std::string> names;
-    std::vector<std::vector<double>> rows;
+    std::vector<double> first_row, newest_row;
+    unsigned int count = 0;
   };
 } // namespace feib
 

@@ -12,8 +12,8 @@ namespace feib::log
 
   /// From now on lines also go to this file (rank 0). The file records every level from info on,
   /// and the lower ones when the console shows them. Collective. Throws RunFailure when it cannot
-  /// be written.
-  void open_file(const std::string &file);
+  /// be written. @p append: after what is in it, instead of anew.
+  void open_file(const std::string &file, bool append = false);
 
   /// Shows a line that the next one replaces, on a terminal only; never in the file.
   void status(const std::string &line);

@@ -2,6 +2,7 @@
 #ifndef feib_output_writer_h
 #define feib_output_writer_h
 
+#include <feib/archive.h>
 #include <feib/check_context.h>
 #include <feib/eulerian_space.h>
 #include <feib/immersed_structure.h>
@@ -37,8 +38,22 @@ namespace feib
     check(const CheckContext<dim> &)
     {}
 
+    /// What the object carries from step to step. Collective.
+    virtual void
+    archive(Archive &)
+    {}
+
     /// Steps between two calls of write(); the first and the last state are always written.
     virtual unsigned int interval() const = 0;
+
+    /// After archive() has read: goes on with the files in a folder, without what was written to
+    /// them after the archived state. Collective. Throws RunFailure, on all ranks, when they are
+    /// not there.
+    virtual void
+    reopen(const std::string &directory)
+    {
+      (void)directory;
+    }
 
     /// Collective. Throws RunFailure, on all ranks, when a file cannot be written.
     virtual void write(const Snapshot &snapshot) = 0;

@@ -2,6 +2,7 @@
 #ifndef feib_refinement_strategy_h
 #define feib_refinement_strategy_h
 
+#include <feib/archive.h>
 #include <feib/check_context.h>
 #include <feib/eulerian_space.h>
 #include <feib/immersed_structure.h>
@@ -30,6 +31,11 @@ namespace feib
     {
       return 0;
     }
+
+    /// What the object carries from step to step. Collective.
+    virtual void
+    archive(Archive &)
+    {}
 
     /// Called once before the calls of mark() that lead to a new mesh. What is wanted because of
     /// the fluid's state must be decided here: mark() would find the same state on the finer cells

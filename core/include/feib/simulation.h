@@ -6,6 +6,7 @@
 #include <feib/registry.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -20,8 +21,35 @@ namespace feib
     double wall_seconds;
   };
 
+  /// What a run may be asked for from outside.
+  enum class Request
+  {
+    none,
+    checkpoint,
+    stop // with a checkpoint
+  };
+
+  /// A checkpoint that a run may go on from.
+  struct CheckpointInfo
+  {
+    std::string folder;
+    std::string case_text;      // the exact run, as JSON
+    std::string case_directory; // that file names in the case are meant from
+    std::map<std::string, std::string> versions;
+    unsigned int step = 0;
+    double time       = 0;
+
+    /// The newest sound one in the output folder of a run; warns of damaged ones. Throws Error when
+    /// there is none. Collective.
+    static CheckpointInfo newest(const std::string &run_folder);
+
+    /// Throws Error when a run of this case by these programs would not go on with what the
+    /// checkpoint holds; ends, outputs, step control and checkpoints may differ.
+    void check(const Case &description, const std::map<std::string, std::string> &versions) const;
+  };
+
   /// One run of a case, in 2 or 3 dimensions: builds the components the case names, then
-  /// integrator step -> ledger row -> refinement -> output, and a summary at the end.
+  /// refinement -> integrator step -> ledger row -> output, checkpoints, and a summary at the end.
   class Simulation
   {
   public:
@@ -42,8 +70,13 @@ namespace feib
       std::string directory;
       /// Called on rank 0 after every step; may be empty.
       std::function<void(const Progress &)> on_progress;
-      /// Asked after every step, on every rank: whether to stop early (a signal). May be empty.
-      std::function<bool()> stop_requested;
+      /// Asked after every step, with the same answer on every rank: what a signal asks for. May
+      /// be empty.
+      std::function<Request()> requested;
+      /// What a checkpoint says of the programs it is made by: names and versions.
+      std::map<std::string, std::string> versions;
+      /// The checkpoint to go on from, a folder; empty: from the start.
+      std::string restart;
     };
 
     /// Runs, writes everything, summary.json included, and logs how it went; the last line begins

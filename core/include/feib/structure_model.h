@@ -2,6 +2,7 @@
 #ifndef feib_structure_model_h
 #define feib_structure_model_h
 
+#include <feib/archive.h>
 #include <feib/lagrangian_points.h>
 #include <feib/matrix_entry.h>
 #include <feib/parameters.h>
@@ -31,6 +32,18 @@ namespace feib
 
     /// The velocity of every node: with an excess density a part of the state, else a first guess.
     NodalField<dim> velocities;
+
+    /// What the structure carries from step to step; a class that adds to it calls this one too.
+    virtual void
+    archive(Archive &archive)
+    {
+      const std::size_t n_nodes = positions.size();
+      archive("positions", positions);
+      archive("velocities", velocities);
+      if (positions.size() != n_nodes)
+        throw RunFailure("the structure \"" + name() + "\" has " + std::to_string(n_nodes) +
+                         " nodes, its archived state has " + std::to_string(positions.size()));
+    }
 
     /// The mass of each node (lumped) beyond that of the fluid the structure displaces; empty for a
     /// structure of the fluid's density.

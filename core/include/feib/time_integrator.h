@@ -2,6 +2,7 @@
 #ifndef feib_time_integrator_h
 #define feib_time_integrator_h
 
+#include <feib/archive.h>
 #include <feib/fluid_solver.h>
 #include <feib/immersed_structure.h>
 #include <feib/timers.h>
@@ -83,6 +84,11 @@ namespace feib
     /// From the time @p time to time + dt: on entry space.old_velocity is u^n and the structures
     /// hold X^n; on return space.velocity and the structures hold the new state. Collective.
     virtual Report step(System &system, double time, double dt) = 0;
+
+    /// What the object carries from step to step. Collective.
+    virtual void
+    archive(Archive &)
+    {}
 
     /// The estimate of the largest stable step at the present state; infinite for a scheme that has
     /// no limit. Collective.

@@ -2,6 +2,8 @@
 #ifndef feib_timers_h
 #define feib_timers_h
 
+#include <feib/archive.h>
+
 #include <chrono>
 #include <map>
 #include <string>
@@ -34,6 +36,12 @@ namespace feib
     seconds() const
     {
       return phases;
+    }
+
+    void
+    archive(Archive &archive)
+    {
+      archive("seconds", phases);
     }
 
   private:

@@ -291,7 +291,8 @@ namespace feib
   Case::Case(const std::string &text,
              const std::string &file,
              const Registry &registry,
-             const Settings &settings)
+             const Settings &settings,
+             const std::string &directory)
     : text(text)
     , file(file)
     , settings(settings)
@@ -317,11 +318,15 @@ namespace feib
     if (!issues.empty())
       throw Error(issues);
 
-    document             = Json::parse(resolved_text);
-    const auto known     = constants(document, issues);
-    const auto directory = std::filesystem::path(file).parent_path();
-    const auto shared    = std::make_shared<Document>(Document{
-      std::move(document), &registry, known, directory.empty() ? "." : directory.string()});
+    document          = Json::parse(resolved_text);
+    const auto known  = constants(document, issues);
+    const auto folder = std::filesystem::path(file).parent_path().string();
+    const auto shared = std::make_shared<Document>(Document{std::move(document),
+                                                            &registry,
+                                                            known,
+                                                            !directory.empty() ? directory
+                                                            : folder.empty()   ? "."
+                                                                               : folder});
     if (!issues.empty())
       throw Error(issues);
     view = std::make_unique<Parameters>(

@@ -61,9 +61,9 @@ namespace feib::log
     class File : public spdlog::sinks::base_sink<std::mutex>
     {
     public:
-      explicit File(const std::string &name)
+      File(const std::string &name, const bool append)
         : name(name)
-        , stream(name, std::ios::trunc)
+        , stream(name, append ? std::ios::app : std::ios::trunc)
       {}
 
       bool
@@ -164,12 +164,12 @@ namespace feib::log
 
 
   void
-  open_file(const std::string &file)
+  open_file(const std::string &file, const bool append)
   {
     std::string problem;
     if (speaks())
       {
-        const auto sink = std::make_shared<File>(file);
+        const auto sink = std::make_shared<File>(file, append);
         if (!sink->good())
           problem = file + ": " + std::strerror(errno);
         sink->set_level(std::min(spdlog::level::info, output().console->level()));

@@ -28,6 +28,32 @@ namespace feib
 
 
   template <int dim>
+  void
+  Accounts<dim>::Totals::archive(Archive &archive)
+  {
+    archive("dissipated", dissipated);
+    archive("convected", convected);
+    archive("numerical", numerical);
+    archive("unexplained", unexplained);
+    archive("boundary_work", boundary_work);
+    archive("body_work", body_work);
+    archive("energy", energy);
+    archive("remeshing", remeshing);
+    archive("linear_iterations", linear_iterations);
+    archive("nonlinear_iterations", nonlinear_iterations);
+    archive("geometry_iterations", geometry_iterations);
+    archive("largest_increase", largest_increase);
+    archive("largest_relative_increase", largest_relative_increase);
+    archive("largest_closure", largest_closure);
+    archive("smallest_dt", smallest_dt);
+    archive("largest_dt", largest_dt);
+    archive("leak", leak);
+    archive("time_error", time_error);
+    archive("first_linear_iterations", first_linear_iterations);
+  }
+
+
+  template <int dim>
   typename Accounts<dim>::State
   Accounts<dim>::state() const
   {
@@ -75,6 +101,8 @@ namespace feib
     totals.linear_iterations += report.linear_iterations;
     totals.nonlinear_iterations += report.nonlinear_iterations;
     totals.geometry_iterations += report.geometry_iterations;
+    if (step == 1)
+      totals.first_linear_iterations = report.linear_iterations;
     if (step > 0)
       {
         const double increase   = total - totals.energy;
@@ -157,7 +185,7 @@ namespace feib
       const State now    = state();
       const double total = now.kinetic + now.elastic;
       sum_up(step, dt, report, total);
-      const double initial = step > 0 ? ledger.value("total_energy", 0) : total;
+      const double initial = step > 0 ? ledger.first("total_energy") : total;
       const double closure = total - initial + totals.dissipated + totals.convected +
                              totals.numerical + totals.unexplained - totals.boundary_work -
                              totals.body_work - totals.remeshing;

@@ -32,6 +32,9 @@ namespace feib
       double smallest_dt               = std::numeric_limits<double>::infinity();
       double largest_dt                = 0;
       std::vector<double> leak, time_error; // per structure, of its measure
+      double first_linear_iterations = 0;   // of the first step
+
+      void archive(Archive &archive);
     };
 
     Totals totals;
@@ -48,6 +51,14 @@ namespace feib
 
     /// The kinetic energy changed by moving to another mesh.
     void add_remeshing(double gained);
+
+    void
+    archive(Archive &archive)
+    {
+      archive("totals", totals);
+      archive("ledger", ledger);
+      archive("seconds_at_last_row", seconds_at_last_row);
+    }
 
     /// The smallest limit of the step at the present state; infinite without limits.
     double smallest_limit() const;

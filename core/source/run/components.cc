@@ -142,6 +142,7 @@ namespace feib
         writers.push_back(output.template create<OutputWriter<dim>>());
         const auto [component, block] = output.choice();
         const std::string name        = block.has("name") ? block.string("name") : "";
+        writer_names.push_back(component + (name.empty() ? "" : "_" + name));
         if (names.insert(component + " " + name).second)
           return;
         if (name.empty())

@@ -35,6 +35,7 @@ namespace feib
     std::string integrator_name;
     std::unique_ptr<RefinementStrategy<dim>> refinement;
     std::vector<std::unique_ptr<OutputWriter<dim>>> writers;
+    std::vector<std::string> writer_names; // component, and name where there is one
     std::unique_ptr<dealii::Function<dim>> exact_velocity, exact_pressure; // null when not given
     std::unique_ptr<StepControl> control;
     Timers timers;

@@ -20,6 +20,14 @@ namespace feib
     {
       double growth = 0; // energy from nowhere beyond what was dissipated, since it last vanished
       std::vector<double> unexplained, elastic_work; // of each structure
+
+      void
+      archive(Archive &archive)
+      {
+        archive("growth", growth);
+        archive("unexplained", unexplained);
+        archive("elastic_work", elastic_work);
+      }
     };
     Totals totals;
     bool grew = false; // whether judge() failed because of growth

@@ -9,7 +9,7 @@ namespace feib
   void
   Ledger::add(const Row &row)
   {
-    if (rows.empty())
+    if (count == 0)
       for (const auto &[name, value] : row)
         {
           if (std::find(names.begin(), names.end(), name) != names.end())
@@ -27,7 +27,10 @@ namespace feib
                                  names[i] + "\"");
         values.push_back(row[i].second);
       }
-    rows.push_back(std::move(values));
+    if (count == 0)
+      first_row = values;
+    newest_row = std::move(values);
+    ++count;
   }
 
 
@@ -41,32 +44,49 @@ namespace feib
   unsigned int
   Ledger::n_rows() const
   {
-    return rows.size();
+    return count;
   }
 
 
   const std::vector<double> &
-  Ledger::row(const unsigned int i) const
+  Ledger::last_row() const
   {
-    return rows.at(i);
+    return newest_row;
+  }
+
+
+  std::size_t
+  Ledger::place(const std::string &column) const
+  {
+    if (count == 0)
+      throw std::logic_error("the ledger has no rows");
+    const auto found = std::find(names.begin(), names.end(), column);
+    if (found == names.end())
+      throw std::logic_error("the ledger has no column \"" + column + "\"");
+    return found - names.begin();
   }
 
 
   double
-  Ledger::value(const std::string &column, const unsigned int i) const
+  Ledger::first(const std::string &column) const
   {
-    const auto place = std::find(names.begin(), names.end(), column);
-    if (place == names.end())
-      throw std::logic_error("the ledger has no column \"" + column + "\"");
-    return rows.at(i)[place - names.begin()];
+    return first_row[place(column)];
   }
 
 
   double
   Ledger::last(const std::string &column) const
   {
-    if (rows.empty())
-      throw std::logic_error("the ledger has no rows");
-    return value(column, rows.size() - 1);
+    return newest_row[place(column)];
+  }
+
+
+  void
+  Ledger::archive(Archive &archive)
+  {
+    archive("columns", names);
+    archive("first", first_row);
+    archive("last", newest_row);
+    archive("count", count);
   }
 } // namespace feib

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "boundary_flux.h"
+#include "checkpoint.h"
 #include "energy_check.h"
 #include "forecast.h"
 #include "resolution.h"
@@ -16,7 +17,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <iomanip>
 #include <sstream>
 
@@ -55,7 +58,7 @@ namespace feib
     class SimulationInDimension : public Simulation
     {
     public:
-      explicit SimulationInDimension(const Parameters &parameters);
+      explicit SimulationInDimension(const Case &description);
 
       std::string forecast() override;
 
@@ -63,6 +66,22 @@ namespace feib
 
     private:
       void initialize();
+
+      /// Says what there is to compute.
+      void tell_size() const;
+
+      /// What the checks of the run compare with: the structures as the case gives them.
+      void note_beginning();
+
+      /// The state of the run after a step, but for what is below.
+      void archive_step(Archive &archive);
+
+      /// All that a run goes on from.
+      void archive(Archive &archive);
+
+      void write_checkpoint(const Options &options);
+
+      void resume(const Options &options);
 
       /// Steps, until the end.
       void loop(const Options &options);
@@ -110,7 +129,7 @@ namespace feib
 
       /// The end of a run that did not get to its end: the last good state, summary, log, as far
       /// as they can be written.
-      void give_up(const std::string &directory, Verdict::End how, const std::string &why);
+      void give_up(const Options &options, Verdict::End how, const std::string &why);
 
       void
       write_summary(const std::string &directory, Verdict::End how, const std::string &message);
@@ -128,23 +147,78 @@ namespace feib
       std::unique_ptr<EnergyCheck<dim>> energy_check; // from the initial state on
       std::vector<double> initial_measures;           // of each structure
       double displacement_error = -1;
-      bool inaccurate           = false; // whether the last step failed for accuracy alone
-      unsigned int failures     = 0;     // steps that failed for another reason
-      unsigned int growths      = 0;     // of these, because the energy grew
-      std::vector<int> last_written;     // per writer, the step
+      bool inaccurate           = false;       // whether the last step failed for accuracy alone
+      unsigned int failures     = 0;           // steps that failed for another reason
+      unsigned int growths      = 0;           // of these, because the energy grew
+      std::map<std::string, int> last_written; // per writer, the step
+      Checkpoints checkpoints;
+      const std::string case_text, case_directory;
+      MemoryArchive before_step; // to be undone with
       Clock::time_point start;
+      double seconds_before = 0; // of the run, before it was taken up again
     };
 
 
     template <int dim>
-    SimulationInDimension<dim>::SimulationInDimension(const Parameters &parameters)
-      : parts(parameters)
+    SimulationInDimension<dim>::SimulationInDimension(const Case &description)
+      : parts(description.parameters())
       , accounts(parts)
-      , end_time(parameters.child("time").number("end"))
-      , energy_growth(parameters.child("time").number("energy_growth"))
-      , measure_tolerance(parameters.child("time").number("measure_tolerance"))
-      , given_step(parameters.child("time").number("step"))
-    {}
+      , checkpoints(description.parameters().child("checkpoint"))
+      , case_text(description.resolved())
+      , case_directory(description.parameters().directory())
+    {
+      const Parameters time = description.parameters().child("time");
+      end_time              = time.number("end");
+      energy_growth         = time.number("energy_growth");
+      measure_tolerance     = time.number("measure_tolerance");
+      given_step            = time.number("step");
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::archive_step(Archive &archive)
+    {
+      archive("space", *parts.space);
+      archive("fluid", *parts.fluid);
+      archive("integrator", *parts.integrator);
+      for (ImmersedStructure<dim> &structure : parts.structures)
+        {
+          const std::string name = "structure_" + structure.model->name();
+          archive(name, *structure.model);
+          archive(name + "_motion", *structure.motion);
+          if (structure.loading)
+            archive(name + "_loading", *structure.loading);
+        }
+      archive("totals", accounts.totals);
+      archive("energy_check", energy_check->totals);
+      archive("step", record.step);
+      archive("time", record.time);
+      archive("displacement_error", displacement_error);
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::archive(Archive &archive)
+    {
+      archive_step(archive);
+      archive("accounts", accounts);
+      archive("timers", parts.timers);
+      archive("refinement", *parts.refinement);
+      archive("control", *parts.control);
+      archive("verdict", verdict);
+      archive("record", record);
+      archive("failures", failures);
+      archive("growths", growths);
+      archive("flux_told", flux_told);
+      archive("last_written", last_written);
+      // A run may go on with other outputs.
+      for (unsigned int i = 0; i < parts.writers.size(); ++i)
+        if (const std::string name = "output_" + parts.writer_names[i];
+            !archive.reading() || archive.has(name))
+          archive(name, *parts.writers[i]);
+    }
 
 
     template <int dim>
@@ -160,7 +234,8 @@ namespace feib
     void
     SimulationInDimension<dim>::refine()
     {
-      if (parts.refinement->interval() == 0 || record.step % parts.refinement->interval() != 0)
+      if (record.step == 0 || parts.refinement->interval() == 0 ||
+          record.step % parts.refinement->interval() != 0)
         return;
       const double before                  = parts.fluid->balance(*parts.space).kinetic_energy;
       const Clock::time_point remesh_start = Clock::now();
@@ -251,10 +326,71 @@ namespace feib
     {
       start_together();
       find_initial_pressure();
+      note_beginning();
+      tell_size();
+      accounts.ledger.add(accounts.add(0, 0., 0., {}, {}));
+      parts.control->start(control_state());
+      record.stability_limit = parts.integrator->stability_limit(parts.system()).dt;
+      check_meshes(parts, 0., verdict);
+      check_structures(parts, 0., verdict);
+      check_overlap(parts, 0., verdict);
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::note_beginning()
+    {
       energy_check = std::make_unique<EnergyCheck<dim>>(parts, energy_growth);
       for (const ImmersedStructure<dim> &structure : parts.structures)
         initial_measures.push_back(structure.model->measure(structure.model->positions));
+    }
 
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::resume(const Options &options)
+    {
+      note_beginning();
+      CheckpointReader<dim> reader(*parts.space, options.restart);
+      archive(reader);
+      seconds_before = record.wall_seconds;
+      for (unsigned int i = 0; i < parts.writers.size(); ++i)
+        parts.writers[i]->reopen(options.directory);
+      tell_size();
+      std::ostringstream message;
+      message << "going on from step " << record.step << ", time " << record.time;
+      log::info(message.str());
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::write_checkpoint(const Options &options)
+    {
+      const Timers::Section section(parts.timers, "output");
+      record.wall_seconds         = seconds_before + seconds_since(start);
+      const MPI_Comm communicator = parts.space->communicator();
+      const Json manifest         = {
+                {"case", Json::parse(case_text)},
+                {"case_directory", std::filesystem::absolute(case_directory).lexically_normal().string()},
+                {"versions", options.versions},
+                {"step", record.step},
+                {"time", record.time},
+                {"ranks", dealii::Utilities::MPI::n_mpi_processes(communicator)}};
+      checkpoints.write(
+        options.directory, record.step, manifest, communicator, [&](const std::string &folder) {
+          CheckpointWriter<dim> writer(*parts.space, folder);
+          archive(writer);
+          writer.finish();
+        });
+    }
+
+
+    template <int dim>
+    void
+    SimulationInDimension<dim>::tell_size() const
+    {
       std::ostringstream message;
       message << parts.space->triangulation().n_global_active_cells() << " cells, "
               << parts.space->velocity_handler().n_dofs() << " velocity and "
@@ -264,12 +400,6 @@ namespace feib
                 << "\": " << structure.model->mesh().n_nodes() << " nodes, "
                 << structure.model->mesh().n_elements() << " elements";
       log::info(message.str());
-      accounts.ledger.add(accounts.add(0, 0., 0., {}, {}));
-      parts.control->start(control_state());
-      record.stability_limit = parts.integrator->stability_limit(parts.system()).dt;
-      check_meshes(parts, 0., verdict);
-      check_structures(parts, 0., verdict);
-      check_overlap(parts, 0., verdict);
     }
 
 
@@ -403,10 +533,10 @@ namespace feib
       double square        = 0;
       for (const char *const name : {"momentum_x", "momentum_y", "momentum_z"})
         if (name[9] != 'z' || dim == 3)
-          square += std::pow(ledger.last(name) - ledger.value(name, 0), 2);
+          square += std::pow(ledger.last(name) - ledger.first(name), 2);
       // That of the energy there was, if all moved together.
       const double scale =
-        std::sqrt(2 * parts.fluid->density() * volume * ledger.value("total_energy", 0));
+        std::sqrt(2 * parts.fluid->density() * volume * ledger.first("total_energy"));
       const double drift = std::sqrt(square);
       // Flows on meshes much too coarse for them lose their momentum while their energy falls as it
       // should.
@@ -474,23 +604,13 @@ namespace feib
     void
     SimulationInDimension<dim>::take_step(const double dt, const double new_time)
     {
-      const unsigned int step_before = record.step;
-      const double time_before       = record.time;
-      const double error_before      = displacement_error;
-      const auto totals_before       = accounts.totals;
-      const auto energy_before       = energy_check->totals;
       std::vector<Positions<dim>> positions;
-      std::vector<NodalField<dim>> velocities;
       for (const ImmersedStructure<dim> &structure : parts.structures)
-        {
-          positions.push_back(structure.model->positions);
-          velocities.push_back(structure.model->velocities);
-        }
-      const PressureVector pressure = parts.space->pressure;
-      const auto earlier_pressures  = parts.space->earlier_pressures;
-      const VelocityVector older    = parts.space->older_velocity;
-      parts.space->older_velocity   = parts.space->old_velocity;
-      parts.space->old_velocity     = parts.space->velocity;
+        positions.push_back(structure.model->positions);
+      before_step.start_writing();
+      archive_step(before_step);
+      parts.space->older_velocity = parts.space->old_velocity;
+      parts.space->old_velocity   = parts.space->velocity;
 
       try
         {
@@ -518,26 +638,13 @@ namespace feib
             parts.space->old_dt = dt;
             // Schemes may leave the boundary values at another time of the step.
             parts.space->set_time(record.time);
+            parts.fluid->commit();
           });
         }
       catch (const RunFailure &)
         {
-          // Back to the last good state.
-          record.step                    = step_before;
-          record.time                    = time_before;
-          displacement_error             = error_before;
-          accounts.totals                = totals_before;
-          energy_check->totals           = energy_before;
-          parts.space->velocity          = parts.space->old_velocity;
-          parts.space->old_velocity      = parts.space->older_velocity;
-          parts.space->older_velocity    = older;
-          parts.space->pressure          = pressure;
-          parts.space->earlier_pressures = earlier_pressures;
-          for (unsigned int i = 0; i < parts.structures.size(); ++i)
-            {
-              parts.structures[i].model->positions  = positions[i];
-              parts.structures[i].model->velocities = velocities[i];
-            }
+          before_step.start_reading();
+          archive_step(before_step);
           throw;
         }
     }
@@ -551,12 +658,14 @@ namespace feib
       const typename OutputWriter<dim>::Snapshot snapshot{
         record.step, record.time, directory, *parts.space, parts.structures, accounts.ledger};
       for (unsigned int i = 0; i < parts.writers.size(); ++i)
-        if ((always || record.step % parts.writers[i]->interval() == 0) &&
-            last_written[i] != int(record.step))
-          {
-            parts.writers[i]->write(snapshot);
-            last_written[i] = record.step;
-          }
+        {
+          const auto last = last_written.find(parts.writer_names[i]);
+          if ((!always && record.step % parts.writers[i]->interval() != 0) ||
+              (last != last_written.end() && last->second == int(record.step)))
+            continue;
+          parts.writers[i]->write(snapshot);
+          last_written[parts.writer_names[i]] = record.step;
+        }
     }
 
 
@@ -566,7 +675,7 @@ namespace feib
                                               const Verdict::End how,
                                               const std::string &message)
     {
-      record.wall_seconds = seconds_since(start);
+      record.wall_seconds = seconds_before + seconds_since(start);
       Json document       = {{"status", verdict.status(how)},
                              {"message", message},
                              {"warnings", verdict.to_json()}};
@@ -610,14 +719,19 @@ namespace feib
       while (!control.finished())
         {
           const Clock::time_point step_start = Clock::now();
+          Request request                    = Request::none;
           agree(parts.space->communicator(), [&] {
+            refine();
             advance();
             check_momentum();
             tell_spread_flux();
-            if (!control.finished())
-              refine();
-            record.step_seconds.push_back(seconds_since(step_start));
-            write_outputs(options.directory, control.finished());
+            record.step_seconds.add(seconds_since(step_start));
+            write_outputs(options.directory, false);
+            if (options.requested)
+              request = options.requested();
+            if (request != Request::none || control.finished() ||
+                checkpoints.due(record.step, parts.space->communicator()))
+              write_checkpoint(options);
           });
           if (speaks && options.on_progress)
             options.on_progress({record.step,
@@ -625,18 +739,20 @@ namespace feib
                                  end_time,
                                  accounts.ledger.last("dt"),
                                  seconds_since(start)});
-          if (!control.finished() && options.stop_requested && options.stop_requested())
+          if (!control.finished() && request == Request::stop)
             throw Stopped();
         }
+      agree(parts.space->communicator(), [&] { write_outputs(options.directory, true); });
     }
 
 
     template <int dim>
     void
-    SimulationInDimension<dim>::give_up(const std::string &directory,
+    SimulationInDimension<dim>::give_up(const Options &options,
                                         const Verdict::End how,
                                         const std::string &why)
     {
+      const std::string &directory = options.directory;
       std::ostringstream text;
       text << why;
       if (accounts.ledger.n_rows() > 0)
@@ -655,7 +771,10 @@ namespace feib
           }
       };
       if (accounts.ledger.n_rows() > 0)
-        attempt([&] { write_outputs(directory, true); });
+        attempt([&] {
+          write_checkpoint(options);
+          write_outputs(directory, true);
+        });
       attempt([&] { write_summary(directory, how, message); });
       log::status("");
       log::error(message);
@@ -698,12 +817,13 @@ namespace feib
     bool
     SimulationInDimension<dim>::run(const Options &options)
     {
-      start = Clock::now();
-      last_written.assign(parts.writers.size(), -1);
+      start            = Clock::now();
       Verdict::End end = Verdict::End::completed;
       try
         {
           agree(parts.space->communicator(), [&] {
+            if (!options.restart.empty())
+              return resume(options);
             initialize();
             write_outputs(options.directory, true);
           });
@@ -715,12 +835,12 @@ namespace feib
       catch (const Stopped &stop)
         {
           end = Verdict::End::stopped;
-          give_up(options.directory, end, stop.what());
+          give_up(options, end, stop.what());
         }
       catch (const RunFailure &failure)
         {
           end = Verdict::End::failed;
-          give_up(options.directory, end, failure.what());
+          give_up(options, end, failure.what());
         }
       catch (const LoneFailure &failure)
         {
@@ -736,9 +856,8 @@ namespace feib
   std::unique_ptr<Simulation>
   Simulation::create(const Case &description)
   {
-    const Parameters &parameters = description.parameters();
-    if (parameters.integer("dimension") == 2)
-      return std::make_unique<SimulationInDimension<2>>(parameters);
-    return std::make_unique<SimulationInDimension<3>>(parameters);
+    if (description.parameters().integer("dimension") == 2)
+      return std::make_unique<SimulationInDimension<2>>(description);
+    return std::make_unique<SimulationInDimension<3>>(description);
   }
 } // namespace feib

@@ -124,6 +124,27 @@ namespace feib
   }
 
 
+  void
+  StepControl::archive(Archive &archive)
+  {
+    double step_before = step;
+    archive("time", present);
+    archive("grid", grid);
+    archive("step", step_before);
+    archive("dt", dt);
+    archive("patience", patience);
+    if (!archive.reading())
+      return;
+    if (step_before != step)
+      grid = std::floor(present / step * (1 + 1e-12));
+    if (!is_adaptive)
+      dt = std::min(dt, step);
+    if (!is_adaptive && step_before != step)
+      dt = step;
+    dt = std::min(std::max(dt, shortest), longest);
+  }
+
+
   bool
   StepControl::halve()
   {

@@ -2,6 +2,7 @@
 #ifndef feib_step_control_h
 #define feib_step_control_h
 
+#include <feib/archive.h>
 #include <feib/parameters.h>
 
 #include <limits>
@@ -64,6 +65,9 @@ namespace feib
     /// The step failed, or was not accurate; half of it is to be tried. False: that would be
     /// shorter than allowed.
     bool halve();
+
+    /// A run may go on with another end, another step or another control.
+    void archive(Archive &archive);
 
   private:
     /// The time that is to be hit exactly.

@@ -30,7 +30,7 @@ namespace feib
               {"numerical", ledger.last("numerical")},
               {"unexplained", ledger.last("unexplained")},
               {"largest_closure", totals.largest_closure},
-              {"total_initial", ledger.value("total_energy", 0)},
+              {"total_initial", ledger.first("total_energy")},
               {"total_final", ledger.last("total_energy")},
               {"largest_increase", finite(totals.largest_increase)},
               {"largest_relative_increase", finite(totals.largest_relative_increase)}};
@@ -51,6 +51,30 @@ namespace feib
   } // namespace
 
 
+  void
+  Durations::add(const double seconds)
+  {
+    const long place = std::lround(std::log(std::max(seconds, 1e-6) / 1e-6) / .02);
+    if (counts.size() <= std::size_t(place))
+      counts.resize(place + 1, 0);
+    ++counts[place];
+    maximum = std::max(maximum, seconds);
+  }
+
+
+  double
+  Durations::median() const
+  {
+    std::uint64_t total = 0, below = 0;
+    for (const std::uint64_t count : counts)
+      total += count;
+    for (std::size_t place = 0; place < counts.size(); ++place)
+      if ((below += counts[place]) > total / 2)
+        return 1e-6 * std::exp(.02 * place);
+    return 0;
+  }
+
+
   template <int dim>
   Json
   summary(const Components<dim> &components, const Accounts<dim> &accounts, const RunRecord &record)
@@ -63,28 +87,23 @@ namespace feib
     const double memory =
       dealii::Utilities::MPI::sum(usage.ru_maxrss / 1024., space.communicator());
 
-    std::vector<double> sorted = record.step_seconds;
-    std::sort(sorted.begin(), sorted.end());
-
     Json result;
     result["version"]          = version();
     result["ranks"]            = dealii::Utilities::MPI::n_mpi_processes(space.communicator());
     result["steps"]            = record.step;
     result["time"]             = record.time;
     result["wall_seconds"]     = record.wall_seconds;
-    result["seconds_per_step"] = {{"median", sorted.empty() ? 0. : sorted[sorted.size() / 2]},
-                                  {"max", sorted.empty() ? 0. : sorted.back()}};
+    result["seconds_per_step"] = {{"median", record.step_seconds.median()},
+                                  {"max", record.step_seconds.largest()}};
     result["timers"]           = components.timers.seconds();
     result["peak_memory_mb"]   = memory;
     result["unknowns"]         = unknowns(components);
     result["cells"]            = space.triangulation().n_global_active_cells();
     const double steps         = std::max(1u, record.step);
     // From a cold start, and with solutions to extrapolate.
-    const auto iterations_of = [&](const unsigned int row) {
-      return row > 0 && row < ledger.n_rows() ? ledger.value("linear_iterations", row) : 0.;
-    };
-    result["iterations"] = {{"linear_first", iterations_of(1)},
-                            {"linear_last", iterations_of(ledger.n_rows() - 1)},
+    result["iterations"] = {{"linear_first", totals.first_linear_iterations},
+                            {"linear_last",
+                             ledger.n_rows() > 0 ? ledger.last("linear_iterations") : 0.},
                             {"linear_mean", totals.linear_iterations / steps},
                             {"nonlinear_mean", totals.nonlinear_iterations / steps},
                             {"geometry_mean", totals.geometry_iterations / steps}};

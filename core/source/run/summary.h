@@ -7,6 +7,34 @@
 
 namespace feib
 {
+  /// Any number of durations in little memory: counts by size, in classes 2 % wide.
+  class Durations
+  {
+  public:
+    void add(double seconds);
+
+    /// 0 when there are none. The median is the middle of its class.
+    double median() const;
+
+    double
+    largest() const
+    {
+      return maximum;
+    }
+
+    void
+    archive(Archive &archive)
+    {
+      archive("counts", counts);
+      archive("largest", maximum);
+    }
+
+  private:
+    std::vector<std::uint64_t> counts; // from a microsecond on
+    double maximum = 0;
+  };
+
+
   /// How a run went, beside its accounts.
   struct RunRecord
   {
@@ -17,7 +45,20 @@ namespace feib
     unsigned int retries   = 0;
     unsigned int remeshes  = 0; // changes of the mesh, and what they took
     double remesh_seconds  = 0;
-    std::vector<double> step_seconds;
+    Durations step_seconds;
+
+    void
+    archive(Archive &archive)
+    {
+      archive("step", step);
+      archive("time", time);
+      archive("wall_seconds", wall_seconds);
+      archive("stability_limit", stability_limit);
+      archive("retries", retries);
+      archive("remeshes", remeshes);
+      archive("remesh_seconds", remesh_seconds);
+      archive("step_seconds", step_seconds);
+    }
   };
 
   /// What summary.json says of a run beside its verdict. Collective.

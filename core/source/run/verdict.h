@@ -4,6 +4,8 @@
 
 #include "json.h"
 
+#include <feib/archive.h>
+
 #include <string>
 #include <vector>
 
@@ -12,11 +14,21 @@ namespace feib
   /// Something doubtful about a run that does not end it.
   struct Warning
   {
-    std::string kind;    // one word; one entry per kind
-    std::string message; // of the first
-    double time;         // of the first
-    unsigned int count;
-    double worst; // the largest of what the kind measures
+    std::string kind;       // one word; one entry per kind
+    std::string message;    // of the first
+    double time        = 0; // of the first
+    unsigned int count = 0;
+    double worst       = 0; // the largest of what the kind measures
+
+    void
+    archive(Archive &archive)
+    {
+      archive("kind", kind);
+      archive("message", message);
+      archive("time", time);
+      archive("count", count);
+      archive("worst", worst);
+    }
   };
 
   /// Gathers what is doubtful about a run, and says in the end how far it can be believed. The
@@ -51,6 +63,12 @@ namespace feib
 
     /// The list `warnings` of summary.json.
     Json to_json() const;
+
+    void
+    archive(Archive &archive)
+    {
+      archive("warnings", list);
+    }
 
   private:
     std::vector<Warning> list;

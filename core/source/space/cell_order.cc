@@ -9,8 +9,9 @@ namespace feib
 {
   namespace
   {
-    /// p4est has no deeper cells in 3D, and their paths fit into 64 bits.
-    constexpr unsigned int deepest = 18;
+    /// p4est has no deeper cells, and their paths fit into 64 bits.
+    template <int dim>
+    constexpr unsigned int deepest = dim == 2 ? 30 : 19;
   } // namespace
 
 
@@ -45,7 +46,7 @@ namespace feib
                 static_cast<unsigned int>(children.size())};
     for (const auto child : children)
       key.path = (key.path << dim) + child;
-    key.path <<= dim * (deepest - key.level);
+    key.path <<= dim * (deepest<dim> - key.level);
     return key;
   }
 
@@ -59,12 +60,13 @@ namespace feib
     CellKey next{0, 0, 0};
     for (const unsigned int level : levels)
       {
-        const std::uint64_t size = std::uint64_t(1) << (dim * (deepest - std::min(level, deepest)));
-        if (level > deepest || next.tree == n_trees || next.path % size != 0)
+        const std::uint64_t size = std::uint64_t(1)
+                                   << (dim * (deepest<dim> - std::min(level, deepest<dim>)));
+        if (level > deepest<dim> || next.tree == n_trees || next.path % size != 0)
           throw RunFailure("the levels of the cells are those of no mesh of this box");
         keys.push_back({next.tree, next.path, level});
         next.path += size;
-        if (next.path == std::uint64_t(1) << (dim * deepest))
+        if (next.path == std::uint64_t(1) << (dim * deepest<dim>))
           next = {next.tree + 1, 0, 0};
       }
     if (next.tree != n_trees || next.path != 0)

@@ -384,6 +384,69 @@ namespace feib
 
 
   template <int dim>
+  std::vector<unsigned char>
+  EulerianSpace<dim>::levels_in_order() const
+  {
+    std::vector<unsigned char> levels, result;
+    for (const auto &cell : cells_in_order(mesh))
+      levels.push_back(cell->level());
+    for (const auto &part : dealii::Utilities::MPI::all_gather(mpi_communicator, levels))
+      result.insert(result.end(), part.begin(), part.end());
+    return result;
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::archive_mesh(Archive &archive)
+  {
+    std::vector<unsigned char> levels = levels_in_order();
+    archive("levels", levels);
+    if (!archive.reading())
+      return;
+    const std::vector<CellKey> keys = keys_of_levels<dim>(levels, mesh.n_cells(0));
+    const auto towards              = [&](auto &triangulation) {
+      for (const auto &cell : triangulation.active_cell_iterators())
+        if (cell->is_locally_owned())
+          {
+            // The cell of the wanted mesh that has the first corner.
+            const CellKey key    = key_of(triangulation, *cell);
+            const auto following = std::upper_bound(keys.begin(), keys.end(), key);
+            const auto wanted    = std::prev(following)->level;
+            if (wanted > key.level)
+              cell->set_refine_flag();
+            else if (wanted < key.level)
+              cell->set_coarsen_flag();
+          }
+    };
+    adapt(towards, true);
+    if (levels_in_order() != levels)
+      throw RunFailure("the archived mesh cannot be made again");
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::archive(Archive &archive)
+  {
+    // Within a step the mesh stays.
+    if (archive.persistent())
+      archive_mesh(archive);
+    double time = present_time;
+    archive("time", time);
+    if (archive.reading())
+      set_time(time);
+    archive("velocity", velocity);
+    archive("old_velocity", old_velocity);
+    archive("pressure", pressure);
+    archive("earlier_pressures", earlier_pressures);
+    archive("old_dt", old_dt);
+    if (archive.reading())
+      older_velocity = old_velocity; // a step replaces it
+  }
+
+
+  template <int dim>
   VelocityVector
   EulerianSpace<dim>::make_velocity() const
   {

@@ -16,6 +16,7 @@
 
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <iomanip>
 #include <optional>
 #include <sstream>
@@ -77,6 +78,10 @@ namespace feib
 
     Balance balance(const Space &space) override;
 
+    void commit() override;
+
+    void archive(Archive &archive) override;
+
   private:
     static constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
 
@@ -101,16 +106,18 @@ namespace feib
     /// A solution of a step, for the first guess of the next.
     struct Solution
     {
-      double time;
+      double time = 0;
       VelocityVector velocity;
       PressureVector pressure;
-    };
 
-    static bool
-    same_time(const Solution &solution, const Step &step)
-    {
-      return std::abs(solution.time - step.time) < 1e-6 * step.dt;
-    }
+      void
+      archive(Archive &archive)
+      {
+        archive("time", time);
+        archive("velocity", velocity);
+        archive("pressure", pressure);
+      }
+    };
 
     /// For a new mesh.
     void prepare(const Space &space);
@@ -130,9 +137,8 @@ namespace feib
     /// space.pressure += factor rho/2 |u|^2
     void add_dynamic_pressure(Space &space, double factor) const;
 
-    /// Puts the polynomial in time through the last solutions into the state, unless the state is a
-    /// solution for the same time already.
-    void guess(Space &space, const Step &step);
+    /// Puts the polynomial in time through the solutions of the last steps into the state.
+    void guess(Space &space, const Step &step) const;
 
     Norms norms(const Space &space, const VelocityVector &r, const PressureVector &g) const;
 
@@ -191,7 +197,8 @@ namespace feib
     StokesSolver<dim> solver;
     unsigned int revision = 0;
     VelocityVector body_force_load;
-    std::deque<Solution> solutions; // the latest first
+    std::deque<std::shared_ptr<const Solution>> solutions; // of the last steps, the latest first
+    std::shared_ptr<const Solution> provisional;           // the last one of the present step
   };
 
 
@@ -415,7 +422,9 @@ namespace feib
     inertia.reinit(space);
     if (body_force && !body_force_varies)
       assemble_body_force(space, 0.);
-    solutions.clear();
+    if (revision != 0) // else they have been read, for this mesh
+      solutions.clear();
+    provisional.reset();
     revision = space.revision();
   }
 
@@ -443,19 +452,14 @@ namespace feib
 
   template <int dim>
   void
-  NavierStokes<dim>::guess(Space &space, const Step &step)
+  NavierStokes<dim>::guess(Space &space, const Step &step) const
   {
-    // Solutions of this time or later belong to another attempt at this step.
-    if (!solutions.empty() && same_time(solutions.front(), step))
-      return;
-    while (!solutions.empty() && solutions.front().time >= step.time)
-      solutions.pop_front();
     // Far from solutions close to each other a polynomial is no guess.
     constexpr double farthest = 3;
+    const auto time           = [&](const unsigned int i) { return solutions[i]->time; };
     unsigned int n_used       = 1;
     while (n_used < solutions.size() &&
-           step.time - solutions[0].time <
-             farthest * (solutions[n_used - 1].time - solutions[n_used].time))
+           step.time - time(0) < farthest * (time(n_used - 1) - time(n_used)))
       ++n_used;
     if (solutions.empty() || n_used < 2)
       return;
@@ -466,10 +470,35 @@ namespace feib
         double weight = 1; // Lagrange's polynomials at the new time
         for (unsigned int j = 0; j < n_used; ++j)
           if (j != i)
-            weight *= (step.time - solutions[j].time) / (solutions[i].time - solutions[j].time);
-        space.velocity.add(weight, solutions[i].velocity);
-        space.pressure.add(weight, solutions[i].pressure);
+            weight *= (step.time - time(j)) / (time(i) - time(j));
+        space.velocity.add(weight, solutions[i]->velocity);
+        space.pressure.add(weight, solutions[i]->pressure);
       }
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::commit()
+  {
+    constexpr unsigned int n_kept = 3;
+    if (provisional)
+      solutions.push_front(std::move(provisional));
+    provisional.reset();
+    if (solutions.size() > n_kept)
+      solutions.pop_back();
+  }
+
+
+  template <int dim>
+  void
+  NavierStokes<dim>::archive(Archive &archive)
+  {
+    archive("solutions", solutions);
+    if (archive.persistent())
+      solver.forget();
+    if (archive.reading())
+      provisional.reset();
   }
 
 
@@ -643,7 +672,9 @@ namespace feib
     prepare(space);
     if (total_pressure())
       add_dynamic_pressure(space, 1);
-    guess(space, step);
+    // The last solution of the same step is nearer than any guess.
+    if (!provisional)
+      guess(space, step);
     space.set_time(step.time);
     space.distribute(space.velocity, false);
     const double rate          = 1 / step.dt;
@@ -735,12 +766,8 @@ namespace feib
       }
     account(space, present, report);
 
-    constexpr unsigned int n_kept = 3;
-    if (!solutions.empty() && same_time(solutions.front(), step))
-      solutions.pop_front();
-    solutions.push_front({step.time, space.velocity, space.pressure});
-    if (solutions.size() > n_kept)
-      solutions.pop_back();
+    provisional =
+      std::make_shared<const Solution>(Solution{step.time, space.velocity, space.pressure});
     if (total_pressure())
       {
         add_dynamic_pressure(space, -1);

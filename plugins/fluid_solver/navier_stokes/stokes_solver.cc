@@ -205,6 +205,17 @@ namespace feib
 
   template <int dim>
   void
+  StokesSolver<dim>::forget()
+  {
+    operators        = nullptr;
+    method           = Method::automatic;
+    factor_with_load = false;
+    excess = uses = last_uses = 0;
+  }
+
+
+  template <int dim>
+  void
   StokesSolver<dim>::factorize(const Equations &equations)
   {
     constexpr unsigned int n_u = FluidOperators<dim>::n_u, n_p = FluidOperators<dim>::n_p;

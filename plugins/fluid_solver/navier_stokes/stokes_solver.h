@@ -58,6 +58,9 @@ namespace feib
                        VelocityVector &du,
                        PressureVector &dp);
 
+    /// Drops all that was made for earlier equations: what follows does not depend on them.
+    void forget();
+
   private:
     Method choose(const Equations &equations) const;
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/appended_file.h>
+#include <feib/failure.h>
 #include <feib/output_writer.h>
 #include <feib/plugin.h>
 
 #include <deal.II/base/mpi.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iomanip>
+#include <sstream>
 
 #include "ledger_csv_schema.h"
 
@@ -36,45 +36,52 @@ namespace
       const feib::Ledger &ledger = snapshot.ledger;
       if (ledger.n_rows() == rows_seen)
         return;
-      const bool first            = rows_seen == 0;
       const MPI_Comm communicator = snapshot.space.communicator();
       rows_seen                   = ledger.n_rows();
 
-      std::string trouble;
-      if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-        {
-          const std::string name = snapshot.directory + "/ledger.csv";
-          errno                  = 0;
-          if (first)
-            {
-              file.open(name);
-              file << std::setprecision(17);
-              write_row(ledger.columns());
-            }
-          write_row(ledger.row(rows_seen - 1));
-          file.flush();
-          if (!file)
-            trouble =
-              "cannot write " + name + (errno ? std::string(": ") + std::strerror(errno) : "");
-        }
-      trouble = dealii::Utilities::MPI::broadcast(communicator, trouble, 0);
-      if (!trouble.empty())
-        throw feib::RunFailure(trouble);
+      feib::agree(communicator, [&] {
+        if (dealii::Utilities::MPI::this_mpi_process(communicator) != 0)
+          return;
+        if (!file.is_open())
+          file.open(snapshot.directory + "/" + file_name, text_of(ledger.columns()));
+        file.append(text_of(ledger.last_row()));
+      });
+    }
+
+    void
+    archive(feib::Archive &archive) override
+    {
+      archive("rows_seen", rows_seen);
+      archive("file", file);
+    }
+
+    void
+    reopen(const std::string &directory) override
+    {
+      feib::agree(MPI_COMM_WORLD, [&] {
+        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+          file.reopen(directory + "/" + file_name);
+      });
     }
 
   private:
+    static constexpr const char *file_name = "ledger.csv";
+
     template <typename Entry>
-    void
-    write_row(const std::vector<Entry> &entries)
+    static std::string
+    text_of(const std::vector<Entry> &entries)
     {
+      std::ostringstream text;
+      text << std::setprecision(17);
       for (std::size_t i = 0; i < entries.size(); ++i)
-        file << (i > 0 ? "," : "") << entries[i];
-      file << '\n';
+        text << (i > 0 ? "," : "") << entries[i];
+      text << '\n';
+      return text.str();
     }
 
     const unsigned int steps;
     unsigned int rows_seen = 0;
-    std::ofstream file;
+    feib::AppendedFile file;
   };
 } // namespace
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/appended_file.h>
+#include <feib/failure.h>
 #include <feib/output_writer.h>
 #include <feib/plugin.h>
 
 #include <deal.II/base/mpi.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 
@@ -34,17 +33,38 @@ namespace
 
     void write(const Snapshot &snapshot) override;
 
+    void
+    archive(feib::Archive &archive) override
+    {
+      archive("file", file);
+    }
+
+    void
+    reopen(const std::string &directory) override
+    {
+      feib::agree(MPI_COMM_WORLD, [&] {
+        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+          file.reopen(directory + "/" + file_name());
+      });
+    }
+
   private:
     /// Velocity components and pressure at each point, on all ranks.
     std::vector<double> values(const feib::EulerianSpace<dim> &space) const;
 
     void write_rows(const Snapshot &snapshot, const std::vector<double> &values);
 
+    std::string
+    file_name() const
+    {
+      return "probe_" + name + ".csv";
+    }
+
     const std::string name;
     const unsigned int steps;
     std::vector<std::pair<std::string, dealii::Point<dim>>> given; // with their places in the case
     std::vector<dealii::Point<dim>> points;
-    std::ofstream file;
+    feib::AppendedFile file;
   };
 
 
@@ -117,18 +137,10 @@ namespace
   Probe<dim>::write(const Snapshot &snapshot)
   {
     const std::vector<double> found = values(snapshot.space);
-    std::string trouble;
-    if (dealii::Utilities::MPI::this_mpi_process(snapshot.space.communicator()) == 0)
-      {
-        errno = 0;
+    feib::agree(snapshot.space.communicator(), [&] {
+      if (dealii::Utilities::MPI::this_mpi_process(snapshot.space.communicator()) == 0)
         write_rows(snapshot, found);
-        if (!file)
-          trouble = "cannot write " + snapshot.directory + "/probe_" + name + ".csv" +
-                    (errno ? std::string(": ") + std::strerror(errno) : "");
-      }
-    trouble = dealii::Utilities::MPI::broadcast(snapshot.space.communicator(), trouble, 0);
-    if (!trouble.empty())
-      throw feib::RunFailure(trouble);
+    });
   }
 
 
@@ -169,26 +181,28 @@ namespace
   void
   Probe<dim>::write_rows(const Snapshot &snapshot, const std::vector<double> &values)
   {
+    std::ostringstream text;
+    text << std::setprecision(17);
     if (!file.is_open())
       {
-        file.open(snapshot.directory + "/probe_" + name + ".csv");
-        file << std::setprecision(17) << "step,time,point";
+        text << "step,time,point";
         for (unsigned int a = 0; a < dim; ++a)
-          file << ',' << axes[a];
+          text << ',' << axes[a];
         for (unsigned int a = 0; a < dim; ++a)
-          file << ",velocity_" << axes[a];
-        file << ",pressure\n";
+          text << ",velocity_" << axes[a];
+        text << ",pressure\n";
+        file.open(snapshot.directory + "/" + file_name(), "");
       }
     for (unsigned int p = 0; p < points.size(); ++p)
       {
-        file << snapshot.step << ',' << snapshot.time << ',' << p;
+        text << snapshot.step << ',' << snapshot.time << ',' << p;
         for (unsigned int a = 0; a < dim; ++a)
-          file << ',' << points[p][a];
+          text << ',' << points[p][a];
         for (unsigned int i = 0; i <= dim; ++i)
-          file << ',' << values[(dim + 1) * p + i];
-        file << '\n';
+          text << ',' << values[(dim + 1) * p + i];
+        text << '\n';
       }
-    file.flush();
+    file.append(text.str());
   }
 } // namespace
 

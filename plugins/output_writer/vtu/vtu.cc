@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/appended_file.h>
+#include <feib/failure.h>
 #include <feib/output_writer.h>
 #include <feib/plugin.h>
 
@@ -7,10 +9,10 @@
 #include <deal.II/numerics/data_out.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <regex>
+#include <iomanip>
 #include <sstream>
 
 #include "data_array.h"
@@ -20,26 +22,16 @@ namespace
 {
   using namespace dealii;
 
-  /// Writes the file. Returns what went wrong, in words; nothing when all is well.
-  std::string
+  void
   write_file(const std::string &name, const std::string &text)
   {
     errno = 0;
     std::ofstream file(name, std::ios::binary);
     file << text;
     file.close();
-    if (file)
-      return "";
-    return "cannot write " + name + (errno ? std::string(": ") + std::strerror(errno) : "");
-  }
-
-  /// Throws on all ranks when there was trouble on any.
-  void
-  agree(const std::string &trouble, const MPI_Comm communicator)
-  {
-    for (const std::string &text : Utilities::MPI::all_gather(communicator, trouble))
-      if (!text.empty())
-        throw feib::RunFailure(text);
+    if (!file)
+      throw feib::RunFailure("cannot write " + name +
+                             (errno ? std::string(": ") + std::strerror(errno) : ""));
   }
 
   /// The corners of an element in the reference body. They follow from the shape functions,
@@ -157,13 +149,30 @@ namespace
     void
     write(const Snapshot &snapshot) override
     {
-      agree(write_fluid(snapshot), snapshot.space.communicator());
+      const MPI_Comm communicator = snapshot.space.communicator();
+      feib::agree(communicator, [&] { write_fluid(snapshot); });
       for (const feib::ImmersedStructure<dim> &structure : snapshot.structures)
-        agree(write_structure(snapshot, *structure.model), snapshot.space.communicator());
+        feib::agree(communicator, [&] { write_structure(snapshot, *structure.model); });
+    }
+
+    void
+    archive(feib::Archive &archive) override
+    {
+      archive("series", series);
+    }
+
+    void
+    reopen(const std::string &directory) override
+    {
+      feib::agree(MPI_COMM_WORLD, [&] {
+        if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+          for (auto &[name, record] : series)
+            record.reopen(directory + "/" + name + ".pvd", series_end);
+      });
     }
 
   private:
-    std::string
+    void
     write_fluid(const Snapshot &snapshot)
     {
       const feib::EulerianSpace<dim> &space = snapshot.space;
@@ -210,8 +219,8 @@ namespace
       std::string text = stream.str();
       replace_points(text, fluid_points(space));
       const unsigned int rank = Utilities::MPI::this_mpi_process(space.communicator());
-      std::string trouble     = write_file(snapshot.directory + "/" + piece(rank), text);
-      if (rank == 0 && trouble.empty())
+      write_file(snapshot.directory + "/" + piece(rank), text);
+      if (rank == 0)
         {
           std::vector<std::string> pieces;
           for (unsigned int r = 0; r < Utilities::MPI::n_mpi_processes(space.communicator()); ++r)
@@ -222,19 +231,17 @@ namespace
             std::regex_replace(record.str(),
                                std::regex("(<PPoints>\\s*<PDataArray type=)\"Float32\""),
                                "$1\"Float64\"");
-          trouble = write_file(snapshot.directory + "/" + name + ".pvtu", with_double);
-          if (trouble.empty())
-            trouble = add_to_series(snapshot, "fluid", name + ".pvtu");
+          write_file(snapshot.directory + "/" + name + ".pvtu", with_double);
+          add_to_series(snapshot, "fluid", name + ".pvtu");
         }
-      return trouble;
     }
 
-    std::string
+    void
     write_structure(const Snapshot &snapshot, const feib::StructureModel<dim> &model)
     {
       const std::vector<double> energy_density = model.energy_density(model.positions);
       if (Utilities::MPI::this_mpi_process(snapshot.space.communicator()) != 0)
-        return "";
+        return;
 
       const std::string name =
         model.name() + "_" + Utilities::int_to_string(snapshot.step, 6) + ".vtu";
@@ -244,8 +251,8 @@ namespace
         mesh.structure_dim() == dim
           ? structure_text<dim, dim>(mesh, X, energy_density, snapshot.time)
           : structure_text<dim - 1, dim>(mesh, X, energy_density, snapshot.time);
-      const std::string trouble = write_file(snapshot.directory + "/" + name, text);
-      return trouble.empty() ? add_to_series(snapshot, model.name(), name) : trouble;
+      write_file(snapshot.directory + "/" + name, text);
+      add_to_series(snapshot, model.name(), name);
     }
 
     /// The points of the patches, in deal.II's order: cell by cell, lexicographic.
@@ -267,27 +274,25 @@ namespace
       return points;
     }
 
-    /// Rewrites the time series of a name with one more file in it. A reader never sees half a
-    /// file.
-    std::string
+    /// Adds one more file to the time series of a name, at the same cost at every output.
+    void
     add_to_series(const Snapshot &snapshot, const std::string &name, const std::string &file)
     {
-      auto &entries = series[name];
-      entries.emplace_back(snapshot.time, file);
-      std::ostringstream text;
-      DataOutBase::write_pvd_record(text, entries);
-      const std::string final_name     = snapshot.directory + "/" + name + ".pvd";
-      const std::string temporary_name = final_name + ".new";
-      const std::string trouble        = write_file(temporary_name, text.str());
-      if (!trouble.empty())
-        return trouble;
-      if (std::rename(temporary_name.c_str(), final_name.c_str()) != 0)
-        return "cannot write " + final_name + ": " + std::strerror(errno);
-      return "";
+      feib::AppendedFile &record = series[name];
+      if (!record.is_open())
+        record.open(snapshot.directory + "/" + name + ".pvd",
+                    "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" "
+                    "version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n");
+      std::ostringstream entry;
+      entry << std::setprecision(12) << "<DataSet timestep=\"" << snapshot.time
+            << "\" group=\"\" part=\"0\" file=\"" << file << "\"/>\n";
+      record.append(entry.str(), series_end);
     }
 
+    static constexpr const char *series_end = "</Collection>\n</VTKFile>\n";
+
     const unsigned int steps;
-    std::map<std::string, std::vector<std::pair<double, std::string>>> series;
+    std::map<std::string, feib::AppendedFile> series; // the .pvd files, on rank 0
   };
 } // namespace
 
