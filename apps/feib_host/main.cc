@@ -234,7 +234,7 @@ namespace
   }
 
 
-  /// Of Feib and of the plugins a case uses.
+  /// Of Feib and of the plugins that what a case computes depends on.
   std::map<std::string, std::string>
   versions(const PluginLoader &loader, const Case &description)
   {
@@ -243,8 +243,9 @@ namespace
     for (const PluginLoader::Result &plugin : loader.results())
       if (plugin.accepted)
         for (const std::string &component : plugin.components)
-          if (text.find("\"" + component.substr(component.find('/') + 1) + "\":") !=
-              std::string::npos)
+          if (component.rfind("output_writer/", 0) != 0 &&
+              text.find("\"" + component.substr(component.find('/') + 1) + "\":") !=
+                std::string::npos)
             result["the plugin " + plugin.plugin] = plugin.version;
     return result;
   }

@@ -826,6 +826,7 @@ namespace feib
               return resume(options);
             initialize();
             write_outputs(options.directory, true);
+            write_checkpoint(options);
           });
           loop(options);
           check_overlap(parts, record.time, verdict);
