@@ -284,6 +284,8 @@ namespace
       {
         refine_some(*s);
         set_solution<dim>(*s, indicator, noise<dim>);
+        // Continuous where nodes hang.
+        s->distribute(s->velocity, true);
       }
 
     const std::vector<double> indicators = indicators_by_definition(*alone, indicator == "kelly");
