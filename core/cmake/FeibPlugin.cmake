@@ -49,38 +49,63 @@ function(feib_add_plugin name)
   endif()
 endfunction()
 
-# feib_add_test(<name> SOURCES <file>... [LIBRARIES <library>...] [RANKS <n>...] [LABELS <label>...]
-#               [UNREGISTERED])
+# feib_add_test(<name> SOURCES <file>... [LIBRARIES <library>...] [KIND unit|host|case] [RANKS <n>...]
+#               [SLOW] [UNREGISTERED])
 # builds a GoogleTest program and registers it with ctest once for each number of MPI ranks (by
 # default one rank; not at all when UNREGISTERED). The tests find the plugins of the build tree.
+# Of Feib's own build, the target feib_unit_tests is all that `ctest -L unit` needs.
 function(feib_add_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "UNREGISTERED" "" "SOURCES;LIBRARIES;RANKS;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW;UNREGISTERED" "KIND" "SOURCES;LIBRARIES;RANKS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE Feib::testing ${arg_LIBRARIES})
   feib_precompile(${name})
+  if(NOT arg_KIND)
+    set(arg_KIND unit)
+  endif()
+  if(arg_KIND STREQUAL "unit" AND TARGET feib_unit_tests)
+    add_dependencies(feib_unit_tests ${name})
+  endif()
   if(NOT arg_RANKS AND NOT arg_UNREGISTERED)
     set(arg_RANKS 1)
   endif()
+  set(slow)
+  if(arg_SLOW)
+    set(slow SLOW)
+  endif()
   foreach(ranks IN LISTS arg_RANKS)
-    feib_test_on_ranks(${name} ${ranks} LABELS ${arg_LABELS})
+    feib_test_on_ranks(${name} ${ranks} KIND ${arg_KIND} ${slow})
   endforeach()
 endfunction()
 
-# feib_test_on_ranks(<program> <ranks> [NAME <test>] [ARGUMENTS <argument>...] [LABELS <label>...])
-# registers a program of feib_add_test() with ctest, run on that many MPI ranks.
+# feib_test_on_ranks(<program> <ranks> [NAME <test>] [ARGUMENTS <argument>...] [KIND unit|host|case]
+#                    [SLOW])
+# registers a program of feib_add_test() with ctest, run on that many MPI ranks. Its label is its
+# kind: unit (the default), host (it runs feib-host) or case (one of cases/); `mpi` is added for more
+# than one rank, `slow` for tests that take longer than 20 s in a release build.
 function(feib_test_on_ranks program ranks)
-  cmake_parse_arguments(PARSE_ARGV 2 arg "" "NAME" "ARGUMENTS;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 2 arg "SLOW" "NAME;KIND" "ARGUMENTS")
   set(test ${program})
   if(arg_NAME)
     set(test ${arg_NAME})
   endif()
   set(command $<TARGET_FILE:${program}> ${arg_ARGUMENTS})
+  set(labels unit)
+  if(arg_KIND)
+    set(labels ${arg_KIND})
+  endif()
+  if(NOT labels MATCHES "^(unit|host|case)$")
+    message(FATAL_ERROR "the kind of the test ${test} is \"${labels}\"; it must be unit, host or case")
+  endif()
   if(ranks GREATER 1)
     string(APPEND test _np${ranks})
     list(PREPEND command ${MPIEXEC_EXECUTABLE} -np ${ranks} --oversubscribe)
+    list(APPEND labels mpi)
+  endif()
+  if(arg_SLOW)
+    list(APPEND labels slow)
   endif()
   add_test(NAME ${test} COMMAND ${command})
   set_tests_properties(${test} PROPERTIES
-    PROCESSORS ${ranks} TIMEOUT 600 LABELS "${arg_LABELS}"
+    PROCESSORS ${ranks} TIMEOUT 600 LABELS "${labels}"
     ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_hwloc_base_binding_policy=none")
 endfunction()

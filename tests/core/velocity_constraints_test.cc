@@ -218,4 +218,21 @@ namespace
     check_quadratic<2>("[10, 8]", R"(["x*y - y^2", "1 + x*y"])");
     check_quadratic<3>("[4, 3, 4]", R"(["x*z - y^2", "1 + x*y", "2 + x*y"])");
   }
+
+  TEST(VelocityConstraints, OfTheTimeBeforeAreNotThoseOfTheBoundaryNow)
+  {
+    // A wall that starts to move: the fluid was at rest, at the nodes that hang on the wall's too.
+    const auto space = make_space<2>(
+      R"({"cells": [10, 8], "boundary": {"y_max": {"velocity": {"value": ["t*x - t*x^2", 0]
+  }
+}
+}
+})");
+    space->set_time(1);
+    space->distribute(space->velocity, false);
+    refine_here_and_there(*space, 0);
+    EXPECT_GT(space->velocity.linfty_norm(), .1);
+    EXPECT_EQ(space->old_velocity.linfty_norm(), 0.);
+    EXPECT_EQ(space->older_velocity.linfty_norm(), 0.);
+  }
 } // namespace

@@ -17,11 +17,11 @@ namespace
 
   const fs::path source = FEIB_SOURCE;
 
-  /// README.md, docs/*.md and the README of every case and plugin.
+  /// README.md, CONTRIBUTING.md, docs/*.md and the README of every case and plugin.
   std::vector<fs::path>
   pages()
   {
-    std::vector<fs::path> files = {source / "README.md"};
+    std::vector<fs::path> files = {source / "README.md", source / "CONTRIBUTING.md"};
     for (const char *const folder : {"docs", "cases", "plugins"})
       for (const auto &entry : fs::recursive_directory_iterator(source / folder))
         if (entry.path().extension() == ".md")

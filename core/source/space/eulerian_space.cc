@@ -363,19 +363,17 @@ namespace feib
         pressure_transfer.interpolate(all_pressures);
         velocity.swap(moved[0]);
         old_velocity.swap(moved[1]);
-        older_velocity = old_velocity;
         for (unsigned int i = 0; i < pressures.size(); ++i)
           {
             pressures[i]->swap(moved_pressures[i]);
             pressures[i]->update_ghost_values();
           }
         distribute(velocity, false);
-        // Its boundary values are of its own time.
+        // Its boundary values are of its own time, also where nodes hang on them.
+        make_continuity_constraints<dim>(velocity_dof_handler, box, base_level, relevant_velocity)
+          .distribute(old_velocity);
         old_velocity.update_ghost_values();
-        for (const ConstraintLine &line : constraint_lines)
-          if (line.begin < line.end)
-            old_velocity.local_element(line.unknown) =
-              value_from_masters(old_velocity, line) + line.value;
+        older_velocity = old_velocity;
         if (!new_mesh)
           break;
       }

@@ -353,6 +353,19 @@ namespace feib
   }
 
 
+  template <int dim>
+  dealii::AffineConstraints<double>
+  make_continuity_constraints(const dealii::DoFHandler<dim> &handler,
+                              const Domain<dim> &box,
+                              const unsigned int base_level,
+                              const dealii::IndexSet &relevant)
+  {
+    Constraints constraints(relevant);
+    Nodes<dim>(handler, box, base_level).constrain(constraints);
+    return gather(constraints, handler.locally_owned_dofs(), relevant, handler.get_communicator());
+  }
+
+
   template dealii::AffineConstraints<double>
   make_velocity_constraints(const dealii::DoFHandler<2> &,
                             const dealii::MappingCartesian<2> &,
@@ -369,4 +382,14 @@ namespace feib
                             const dealii::IndexSet &,
                             double,
                             double);
+  template dealii::AffineConstraints<double>
+  make_continuity_constraints(const dealii::DoFHandler<2> &,
+                              const Domain<2> &,
+                              unsigned int,
+                              const dealii::IndexSet &);
+  template dealii::AffineConstraints<double>
+  make_continuity_constraints(const dealii::DoFHandler<3> &,
+                              const Domain<3> &,
+                              unsigned int,
+                              const dealii::IndexSet &);
 } // namespace feib

@@ -29,6 +29,15 @@ namespace feib
                             const dealii::IndexSet &relevant,
                             double t,
                             double share = 0);
+
+  /// Hanging nodes and periodicity alone: what makes a velocity continuous, whatever its time. For
+  /// AffineConstraints::distribute, on vectors of owned unknowns. Collective.
+  template <int dim>
+  dealii::AffineConstraints<double>
+  make_continuity_constraints(const dealii::DoFHandler<dim> &handler,
+                              const Domain<dim> &box,
+                              unsigned int base_level,
+                              const dealii::IndexSet &relevant);
 } // namespace feib
 
 #endif

@@ -4,7 +4,6 @@
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_interface_values.h>
-#include <deal.II/meshworker/mesh_loop.h>
 
 #include <cmath>
 #include <limits>
@@ -38,63 +37,49 @@ namespace
     // Relative to the field: well above the tolerance of the fluid's solver.
     constexpr double smallest_jump = 1e-8;
 
-    struct Scratch
-    {
-      Scratch(const Mapping<dim> &mapping, const FiniteElement<dim> &fe, const UpdateFlags flags)
-        : values(mapping, fe, QGauss<dim - 1>(3), flags)
-      {}
-      Scratch(const Scratch &other)
-        : Scratch(other.values.get_mapping(),
-                  other.values.get_fe(),
-                  other.values.get_update_flags())
-      {}
-      FEInterfaceValues<dim> values;
-    };
-    struct Face
-    {
-      std::array<unsigned int, 2> cells;
-      FaceTerm term;
-    };
-    using Iterator = typename DoFHandler<dim>::active_cell_iterator;
-
+    // Not MeshWorker::mesh_loop: where the box is periodic and refined, deal.II 9.4.1 asserts there
+    // about a neighbour that does not exist.
+    FEInterfaceValues<dim> values(space.mapping(),
+                                  handler.get_fe(),
+                                  QGauss<dim - 1>(3),
+                                  flags | update_JxW_values);
+    constexpr unsigned int whole = numbers::invalid_unsigned_int;
     std::vector<double> indicators(space.triangulation().n_active_cells(), 0.);
     FaceTerm total;
-    MeshWorker::mesh_loop(
-      handler.active_cell_iterators(),
-      std::function<void(const Iterator &, Scratch &, std::vector<Face> &)>(),
-      [&](const std::vector<Face> &faces) {
-        for (const Face &face : faces)
-          {
-            for (const unsigned int cell : face.cells)
-              indicators[cell] += face.term.jump;
-            total.jump += face.term.jump;
-            total.size += face.term.size;
-          }
-      },
-      Scratch(space.mapping(), handler.get_fe(), flags | update_JxW_values),
-      std::vector<Face>(),
-      MeshWorker::assemble_own_interior_faces_once | MeshWorker::assemble_ghost_faces_both,
-      std::function<void(const Iterator &, unsigned int, Scratch &, std::vector<Face> &)>(),
-      std::function<void(const Iterator &,
-                         unsigned int,
-                         unsigned int,
-                         const Iterator &,
-                         unsigned int,
-                         unsigned int,
-                         Scratch &,
-                         std::vector<Face> &)>([&](const Iterator &cell,
-                                                   const unsigned int face,
-                                                   const unsigned int subface,
-                                                   const Iterator &neighbor,
-                                                   const unsigned int neighbor_face,
-                                                   const unsigned int neighbor_subface,
-                                                   Scratch &scratch,
-                                                   std::vector<Face> &faces) {
-        // The first cell is the smaller one.
-        scratch.values.reinit(cell, face, subface, neighbor, neighbor_face, neighbor_subface);
-        faces.push_back({{{cell->active_cell_index(), neighbor->active_cell_index()}},
-                         term(scratch.values, cell->face(face)->diameter())});
-      }));
+    for (const auto &cell : handler.active_cell_iterators())
+      for (unsigned int face = 0; face < 2 * dim && !cell->is_artificial(); ++face)
+        {
+          const bool seam = cell->has_periodic_neighbor(face);
+          if (cell->at_boundary(face) && !seam)
+            continue;
+          const auto neighbor = cell->neighbor_or_periodic_neighbor(face);
+          // Smaller cells come to the face themselves, and a cell of the same size does it once.
+          if (neighbor->has_children() || neighbor->is_artificial() ||
+              !(cell->is_locally_owned() || neighbor->is_locally_owned()))
+            continue;
+          if (seam ? cell->periodic_neighbor_is_coarser(face) : cell->neighbor_is_coarser(face))
+            {
+              const auto [neighbor_face, subface] =
+                seam ? cell->periodic_neighbor_of_coarser_periodic_neighbor(face)
+                     : cell->neighbor_of_coarser_neighbor(face);
+              values.reinit(cell, face, whole, neighbor, neighbor_face, subface);
+            }
+          else if (neighbor < cell)
+            continue;
+          else
+            values.reinit(cell,
+                          face,
+                          whole,
+                          neighbor,
+                          seam ? cell->periodic_neighbor_face_no(face)
+                               : cell->neighbor_of_neighbor(face),
+                          whole);
+          const FaceTerm added = term(values, cell->face(face)->diameter());
+          indicators[cell->active_cell_index()] += added.jump;
+          indicators[neighbor->active_cell_index()] += added.jump;
+          total.jump += added.jump;
+          total.size += added.size;
+        }
 
     if (Utilities::MPI::sum(total.jump, space.communicator()) <=
         smallest_jump * smallest_jump * Utilities::MPI::sum(total.size, space.communicator()))
