@@ -96,6 +96,10 @@ namespace
         sigaddset(&set, number);
       }
     sigprocmask(SIG_UNBLOCK, &set, nullptr);
+    // A file beyond the limit of sizes is a failure with its name; who listens no more ends
+    // nothing.
+    for (const int number : {SIGXFSZ, SIGPIPE})
+      signal(number, SIG_IGN);
   }
 
 

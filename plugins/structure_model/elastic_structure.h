@@ -295,16 +295,10 @@ namespace feib
       parse_expressions<dim>(parameters, "initial_position", dim, Variables::reference);
     const auto position = [&](const dealii::Point<dim> &s) {
       dealii::Point<dim> x;
-      std::string place, value;
       for (unsigned int i = 0; i < dim; ++i)
-        {
-          x[i] = X0->value(s, i);
-          place += (i ? ", " : "") + readable(s[i]);
-          value += (i ? ", " : "") + readable(x[i]);
-        }
+        x[i] = X0->value(s, i);
       if (!std::isfinite(x.norm()))
-        parameters.fail("initial_position",
-                        "is not finite at the reference place (" + place + "): (" + value + ")");
+        throw Error(X0->not_finite(MPI_COMM_SELF));
       return x;
     };
     Positions<dim> X;
@@ -348,10 +342,9 @@ namespace feib
       {
         for (unsigned int a = 0; a < dim; ++a)
           V[i][a] = V0->value(reference_mesh.nodes()[i], a);
-        if (!std::isfinite(V[i].norm()))
-          parameters.fail("initial_velocity",
-                          "is not finite at node " + std::to_string(reference_mesh.node_number(i)));
       }
+    if (const Issues issues = V0->not_finite(MPI_COMM_SELF); !issues.empty())
+      throw Error(issues);
     return V;
   }
 

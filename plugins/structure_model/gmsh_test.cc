@@ -413,6 +413,31 @@ TEST(Gmsh, PartitionedFilesKeepTheirGroups)
   EXPECT_EQ(parts->mesh().interfaces(), whole->mesh().interfaces());
   EXPECT_EQ(parts->mesh().elements()[7].material_id, 12u);
   EXPECT_EQ(remarks(*parts), Kinds());
+  // Bodies in space, curves and surfaces.
+  const auto cut = [](Mesh mesh) {
+    mesh = mesh.in_groups({11});
+    for (unsigned int e = mesh.elements.size() / 2; e < mesh.elements.size(); ++e)
+      mesh.groups[e] = {12};
+    std::string file = mesh.format_4(), entities = "$PartitionedEntities\n2\n0\n";
+    for (unsigned int d = 0; d < 4; ++d)
+      entities += std::string(d == mesh.m ? "2" : "0") + (d < 3 ? " " : "\n");
+    for (const std::string n : {"1", "2"})
+      {
+        const std::string m = std::to_string(mesh.m);
+        entities += "3" + n + " " + m + " " + n + " 1 " + n + " 0 0 0 1 1 1 1 1" + n + " 0\n";
+        file = replace(file,
+                       "\n" + m + " " + n + " " + std::to_string(mesh.type()) + " ",
+                       "\n" + m + " 3" + n + " " + std::to_string(mesh.type()) + " ");
+      }
+    return replace(file,
+                   "$EndEntities\n",
+                   "$EndEntities\n" + entities + "$EndPartitionedEntities\n");
+  };
+  EXPECT_EQ(model_of<3>(body, cut(cube()))->mesh().elements()[2].material_id, 11u);
+  EXPECT_EQ(model_of<3>(body, cut(cube()))->mesh().elements()[3].material_id, 12u);
+  EXPECT_EQ(model_of<2>(membrane, cut(loop(1, 6)))->mesh().elements()[5].material_id, 12u);
+  EXPECT_EQ(model_of<3>(membrane, cut(surface(1)))->mesh().elements()[1].material_id, 11u);
+  EXPECT_EQ(model_of<3>(membrane, cut(surface(1)))->mesh().elements()[2].material_id, 12u);
   // Format 2.2: more tags.
   text = square(1).in_groups({5}).format_2();
   text =

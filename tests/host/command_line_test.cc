@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "small_case.h"
-#include "support/run_host.h"
+#include "support/run_case.h"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-  bool
-  holds(const std::string &text, const std::string &part)
-  {
-    return text.find(part) != std::string::npos;
-  }
-
   /// A folder with the small case, the current one of what runs.
   class CommandLine : public ::testing::Test
   {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Trouble while running: a clear message, the last good state on disk, exit code 1.
-#include "support/run_host.h"
+#include "support/run_case.h"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +11,6 @@ namespace
   using namespace feib::testing;
 
   const char *const elliptic_membrane = FEIB_SOURCE "/cases/elliptic_membrane/case.json";
-
-  bool
-  holds(const std::string &text, const std::string &part)
-  {
-    return text.find(part) != std::string::npos;
-  }
 
   /// Failures are final and growing energy is no failure.
   std::string
@@ -108,4 +102,17 @@ TEST(RunFailure, ASolverThatDoesNotConvergeSaysHowFarItCame)
   EXPECT_TRUE(holds(run.output, "did not reach its tolerance in 1 iterations; relative residuals"))
     << run.output;
   EXPECT_EQ(read_json(folder / "out/summary.json")["steps"], 0);
+}
+
+// Who read what the program prints is gone before it begins.
+TEST(RunFailure, NobodyNeedsToListen)
+{
+  const TemporaryFolder folder;
+  run_command("mkfifo gone; { read x <gone; " + host_command() + " " +
+                shell_quoted(elliptic_membrane) +
+                " --output out --set /domain/cells=[8,8] --set /time/end=0.002 --set '/output=[]' "
+                "2>&1; echo $? >code; } | { exec <&-; echo x >gone; };",
+              folder.path.string());
+  EXPECT_EQ(read_file(folder / "code"), "0\n");
+  EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "completed");
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Forecast, monitor and control of time steps, as a user meets them.
-#include "support/run_host.h"
+#include "support/run_case.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <map>
 
 namespace
 {
@@ -16,57 +14,16 @@ namespace
                     membrane = FEIB_SOURCE "/cases/elliptic_membrane/case.json",
                     disc     = FEIB_SOURCE "/cases/cavity_disc/case.json";
 
-  bool
-  holds(const std::string &text, const std::string &part)
-  {
-    return text.find(part) != std::string::npos;
-  }
-
-  struct Result
-  {
-    int exit_code;
-    std::string output;
-    nlohmann::json summary;
-    std::map<std::string, std::vector<double>> ledger;
-  };
-
-  Result
+  CaseRun
   run(const std::string &file, const std::string &settings, const unsigned int ranks = 1)
   {
-    const TemporaryFolder folder;
-    const RunResult host =
-      run_host(shell_quoted(file) + " --output " + shell_quoted(folder / "out") +
-                 " --set '/output=[{\"ledger_csv\": {}}]' " + settings,
-               ranks);
-    Result result{host.exit_code, host.output, {}, {}};
-    if (host.exit_code == 2)
-      return result;
-    if (!std::filesystem::exists(folder / "out/summary.json"))
-      throw std::runtime_error("exit code " + std::to_string(host.exit_code) +
-                               " and no summary.json: " + host.output);
-    result.summary = read_json(folder / "out/summary.json");
-    std::istringstream text(read_file(folder / "out/ledger.csv"));
-    std::string line, cell;
-    std::vector<std::string> columns;
-    std::getline(text, line);
-    for (std::istringstream header(line); std::getline(header, cell, ',');)
-      columns.push_back(cell);
-    while (std::getline(text, line))
-      {
-        std::istringstream row(line);
-        for (const std::string &column : columns)
-          {
-            std::getline(row, cell, ',');
-            result.ledger[column].push_back(std::stod(cell));
-          }
-      }
-    return result;
+    return run_case(file, "--set '/output=[{\"ledger_csv\": {}}]' " + settings, ranks);
   }
 } // namespace
 
 TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
 {
-  const Result result =
+  const CaseRun result =
     run(membrane, "--set /domain/cells=[16,16] --set /time/step=0.05 --set /time/end=5");
   EXPECT_EQ(result.exit_code, 1);
   const std::string advice   = "dt = 0.05 exceeds the estimated limit ";
@@ -87,7 +44,7 @@ TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
   const std::string words = "use lagged_midpoint or dt <= ";
   const double step = std::stod(result.output.substr(result.output.find(words) + words.size()));
   EXPECT_GT(step, 1e-4);
-  const Result stable =
+  const CaseRun stable =
     run(membrane,
         "--set /domain/cells=[16,16] --set /time/end=0.3 --set /time/step=" + std::to_string(step));
   EXPECT_EQ(stable.exit_code, 0) << stable.output;
@@ -97,7 +54,7 @@ TEST(StepControl, ForecastBeforeTheFirstStepAndTheSentenceInsteadOfNaN)
 
 TEST(StepControl, LimitsFollowTheStructureInTheLedger)
 {
-  const Result result = run(membrane, "--set /domain/cells=[16,16] --set /time/end=0.01");
+  const CaseRun result = run(membrane, "--set /domain/cells=[16,16] --set /time/end=0.01");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   for (const std::string column :
        {"h_x", "h_s_membrane", "longest_edge_membrane", "kappa_membrane", "dt_limit_membrane"})
@@ -110,9 +67,9 @@ TEST(StepControl, LimitsFollowTheStructureInTheLedger)
 
 TEST(StepControl, AdaptiveRunFromAStepTenTimesTooLarge)
 {
-  const Result result = run(shell,
-                            "--set /domain/cells=[8,8] --set /time/step=0.02 --set /time/end=0.1 "
-                            "--set '/time/control={\"adaptive\": {}}'");
+  const CaseRun result = run(shell,
+                             "--set /domain/cells=[8,8] --set /time/step=0.02 --set /time/end=0.1 "
+                             "--set '/time/control={\"adaptive\": {}}'");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NEAR(result.ledger.at("time").back(), .1, 1e-14);
   const auto &dt = result.ledger.at("dt"), &limit = result.ledger.at("dt_limit_shell"),
@@ -140,7 +97,7 @@ TEST(StepControl, ErrorEstimateOfTheSecondOrderSchemes)
   std::vector<double> steps, extents;
   for (const std::string tolerance : {"1e-4", "1e-5", "1e-6", "1e-8"})
     {
-      const Result result =
+      const CaseRun result =
         run(membrane,
             "--set /domain/cells=[8,8] --set /time/step=0.01 --set /time/end=0.2 --set "
             "/fluid/navier_stokes/viscosity=0.1 "
@@ -181,7 +138,7 @@ TEST(StepControl, FailedStepsAreRetriedFromTheStateBefore)
     "\"0.5+(s2-0.5)/1.4\"]' ";
   for (const unsigned int ranks : {1, 2})
     {
-      const Result result = run(disc, settings, ranks);
+      const CaseRun result = run(disc, settings, ranks);
       ASSERT_EQ(result.exit_code, 0) << result.output;
       EXPECT_TRUE(holds(result.output, "warning: the step from time 0 with dt = 0.1 failed: "));
       EXPECT_TRUE(holds(result.output, "trying dt = 0.05"));
@@ -199,7 +156,7 @@ TEST(StepControl, FailedStepsAreRetriedFromTheStateBefore)
     }
 
   // Down to a minimum, and no further.
-  const Result stopped =
+  const CaseRun stopped =
     run(disc, settings + "--set '/time/control={\"fixed\": {\"minimum_step\": 0.05}}'");
   EXPECT_EQ(stopped.exit_code, 1);
   EXPECT_TRUE(holds(stopped.output, "trying dt = 0.05"));
@@ -209,11 +166,11 @@ TEST(StepControl, FailedStepsAreRetriedFromTheStateBefore)
 
 TEST(StepControl, SaysWhatIsWrong)
 {
-  const Result large = run(membrane, "--set '/time/control={\"fixed\": {\"minimum_step\": 1}}'");
+  const CaseRun large = run(membrane, "--set '/time/control={\"fixed\": {\"minimum_step\": 1}}'");
   EXPECT_EQ(large.exit_code, 2);
   EXPECT_TRUE(holds(large.output, "/time/control/fixed/minimum_step: is larger than the step"))
     << large.output;
-  const Result crossed =
+  const CaseRun crossed =
     run(membrane,
         "--set '/time/control={\"adaptive\": {\"minimum_step\": 1e-4, \"maximum_step\": 1e-5}}'");
   EXPECT_EQ(crossed.exit_code, 2);

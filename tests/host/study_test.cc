@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // feib-study, run as a user runs it.
 #include "small_case.h"
-#include "support/run_host.h"
+#include "support/run_case.h"
 
 #include <gtest/gtest.h>
 
@@ -15,12 +15,6 @@ namespace
   using namespace feib::testing;
   namespace fs = std::filesystem;
   using Json   = nlohmann::json;
-
-  bool
-  holds(const std::string &text, const std::string &part)
-  {
-    return text.find(part) != std::string::npos;
-  }
 
   /// The fields of a text in the format of RFC 4180.
   std::vector<std::vector<std::string>>

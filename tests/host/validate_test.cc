@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "support/complaint.h"
 #include "support/run_host.h"
 
 #include <gtest/gtest.h>
@@ -365,4 +366,202 @@ TEST_F(Validate, RanksAgree)
   EXPECT_EQ(two.exit_code, 2);
   // What follows is of mpiexec.
   EXPECT_EQ(two.output.rfind(one.output, 0), 0U) << one.output << two.output;
+}
+
+namespace
+{
+  /// A case, what is set in it, and words of what is said of it ("": it is valid).
+  struct Input
+  {
+    std::string name, file;
+    feib::Case::Settings settings;
+    std::vector<std::string> words;
+  };
+
+  std::string
+  repository_case(const std::string &name)
+  {
+    return read_file(FEIB_SOURCE "/cases/" + name + "/case.json");
+  }
+
+  /// A square of a box, both a thousandth of a millimetre.
+  const char *const micrometres = R"({
+    "dimension": 2, "domain": { "upper": [1e-6, 1e-6], "cells": [8, 8] },
+    "fluid": { "navier_stokes": { "density": 1e3, "viscosity": 1e-3 } },
+    "structures": [ { "hyperelastic": { "name": "a", "mesh": { "rectangle": {
+      "lower": [4e-7, 4e-7], "upper": [5e-7, 5e-7], "cells": [2, 2] } },
+      "law": { "neo_hookean": { "shear_modulus": 1 } } } } ],
+    "time": { "step": 1e-8, "end": 2e-8, "integrator": { "lagged_be": {} } } })";
+
+  const std::string fluid = "/fluid/navier_stokes/", boundary = "/domain/boundary",
+                    membrane = "/structures/0/membrane/", square = "/structures/0/hyperelastic/",
+                    not_periodic = "/domain/periodic";
+
+  const std::vector<Input> inputs = {
+    // Expressions that are not finite, or so large that their squares are not.
+    {"InitialVelocity",
+     "ellipsoid",
+     {{fluid + "initial_velocity", R"j([0, 0, "ln(z-2)"])j"}},
+     {fluid + "initial_velocity/2: \"ln(z-2)\" is nan at (0, 0, 0) and time 0; it must be finite"}},
+    {"InitialVelocityTooLarge",
+     "elliptic_membrane",
+     {{fluid + "initial_velocity", R"j([0, "-1e200*y"])j"}},
+     {fluid + "initial_velocity/1: \"-1e200*y\" is -", "it must be at most 1e+100 in size there"}},
+    {"BoundaryInSpace",
+     "ellipsoid",
+     {{not_periodic, "[]"},
+      {boundary, R"j({"z_max": {"velocity": {"value": [0, "1/(x-0.5)", 0]}}})j"}},
+     {boundary + "/z_max/velocity/value/1: \"1/(x-0.5)\" is inf at (0.5, 0, 1)"}},
+    {"BodyForce",
+     "elliptic_membrane",
+     {{fluid + "body_force", R"j([0, "-1e200*1e200"])j"}},
+     {fluid + "body_force/1: \"-1e200*1e200\" is -inf at (0.0"}},
+    {"Exact",
+     "elliptic_membrane",
+     {{"/exact", R"j({"velocity": ["exp(1000*x)", 0]})j"}},
+     {"/exact/velocity/0: \"exp(1000*x)\" is "}},
+    {"InitialPosition",
+     "elliptic_membrane",
+     {{membrane + "initial_position", R"j(["0.4", "sqrt(s1-0.1)"])j"}},
+     {membrane + "initial_position/1: \"sqrt(s1-0.1)\" is nan at the reference place (0, 0)"}},
+    {"VelocityOfExcessMass",
+     "elliptic_membrane",
+     {{membrane + "excess_density", "1"}, {membrane + "initial_velocity", R"j(["1/s1", 0])j"}},
+     {membrane + "initial_velocity/0: \"1/s1\" is inf at the reference place (0, 0)"}},
+
+    // More goes in than out, where there is a structure.
+    {"InflowWithABody",
+     "cavity_disc",
+     {{boundary, R"j({"x_min": {"velocity": {"value": [1, 0]}}})j"}},
+     {boundary + ": the prescribed velocities let 1 into the box and 0 out of it"}},
+    {"InflowWithAMembrane",
+     "elliptic_membrane",
+     {{not_periodic, "[]"}, {boundary, R"j({"y_max": {"velocity": {"value": [0, "x-1"]}}})j"}},
+     {boundary + ": the prescribed velocities let 0.5 into the box and 0 out of it"}},
+    {"InflowWithASurface",
+     "ellipsoid",
+     {{not_periodic, "[]"}, {boundary, R"j({"x_min": {"velocity": {"value": ["t", 0, 0]}}})j"}},
+     {boundary + ": the prescribed velocities let ", " into the box and 0 out of it", "at time "}},
+    {"FluxesInSpace",
+     "ellipsoid",
+     {{not_periodic, "[]"},
+      {boundary,
+       R"j({"x_min": {"velocity": {"value": ["16*y*(1-y)*z*(1-z)", 0, 0]}},
+           "x_max": {"velocity": {"value": ["15*y*(1-y)*z*(1-z)", 0, 0]}}})j"}},
+     {boundary + ": the prescribed velocities let 0.444444 into the box and 0.41"}},
+
+    // Too many cells, of any kind and dimension.
+    {"CellsInSpace",
+     "ellipsoid",
+     {{"/domain/cells", "[2000, 2000, 2000]"}},
+     {"/domain/cells: found 8e+09 cells in all, at most 1e8 are allowed"}},
+    {"UniformInSpace",
+     "ellipsoid",
+     {{"/refinement", R"j({"uniform": {"levels": 10}})j"}},
+     {"/refinement: makes a mesh of about ", "e+11 cells, at most 1e+08 are allowed"}},
+    {"ImmersedInSpace",
+     "ellipsoid",
+     {{"/refinement", R"j({"immersed_cells": {"level": 15}})j"}},
+     {"/refinement: makes a mesh of about ", " cells, at most 1e+08 are allowed"}},
+    {"IndicatedInSpace",
+     "ellipsoid",
+     {{"/refinement", R"j({"error_indicator": {"maximum_level": 15, "minimum_level": 12}})j"}},
+     {"/refinement: makes a mesh of about ", " cells, at most 1e+08 are allowed"}},
+    {"LevelsBeyondAll",
+     "elliptic_membrane",
+     {{"/refinement", R"j({"uniform": {"levels": 2000000000}})j"}},
+     {"/refinement/uniform/levels: must be at most 15, found 2000000000"}},
+
+    // Integers beyond 64 bits are numbers, and readable.
+    {"IntegerOf2To63", micrometres, {{fluid + "density", "9223372036854775808"}}, {}},
+    {"IntegerOf2To64", micrometres, {{"/time/step", "18446744073709551616"}}, {"/time/"}},
+    {"NegativeInteger",
+     micrometres,
+     {{fluid + "viscosity", "-18446744073709551616"}},
+     {fluid + "viscosity: must be greater than 0, found -1.8"}},
+
+    // Numbers in small units.
+    {"SmallAndValid", micrometres, {}, {}},
+    {"SmallOutside",
+     micrometres,
+     {{square + "mesh/rectangle/upper", "[1.3e-6, 5e-7]"}},
+     {"node 2 starts at (1.3e-06 4e-07), the box goes from (0 0) to (1e-06 1e-06)"}},
+    {"SmallFlux",
+     micrometres,
+     {{boundary, R"j({"x_min": {"velocity": {"value": [1e-9, 0]}}})j"}},
+     {boundary + ": the prescribed velocities let 1e-15 into the box"}},
+    {"SmallFluxesThatAgree",
+     micrometres,
+     {{boundary,
+       R"j({"x_min": {"velocity": {"value": ["y*(1e-6-y)", 0]}},
+           "x_max": {"velocity": {"value": ["y*(1e-6-y)", 0]}}})j"}},
+     {}},
+    {"SmallTime",
+     micrometres,
+     {{boundary, R"j({"y_max": {"velocity": {"value": ["sqrt(1.5e-8-t)", 0]}}})j"}},
+     {"is nan at (0, 1e-06) and time 1.", "e-08; it must be"}},
+    {"SmallPlace",
+     micrometres,
+     {{fluid + "body_force", R"j(["ln(x-5e-7)", 0])j"}},
+     {"is nan at (8.", "e-09, 8.", "e-09) and time 0"}},
+    {"SmallProbe",
+     micrometres,
+     {{"/output", R"j([{"probe": {"name": "a", "at": {"points": {"places": [[2e-6, 3e-7]]}}}}])j"}},
+     {"is at (2e-06 3e-07), the box goes from (0 0) to (1e-06 1e-06)"}},
+    {"SmallFold",
+     micrometres,
+     {{square + "initial_position", R"j(["4.5e-7+abs(s1-4.5e-7)", "s2"])j"}},
+     {"folds the body: 4 of its 8 elements", "at the reference place (4.3"}},
+    {"SmallAndFlat",
+     micrometres,
+     {{square + "initial_position", R"j(["5e-7", "s2"])j"}},
+     {"flattens element 0 at the reference place (4.3", "e-07, 4.1"}}};
+
+  class Inputs : public ::testing::TestWithParam<Input>
+  {};
+} // namespace
+
+TEST_P(Inputs, AreJudgedBeforeTheRun)
+{
+  const Input &input = GetParam();
+  const std::string said =
+    feib::testing::complaint(input.file[0] == '{' ? input.file : repository_case(input.file),
+                             input.settings);
+  EXPECT_EQ(said.empty(), input.words.empty()) << said;
+  EXPECT_LE(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  for (const std::string &word : input.words)
+    EXPECT_NE(said.find(word), std::string::npos) << said << " lacks " << word;
+}
+
+INSTANTIATE_TEST_SUITE_P(Validate, Inputs, ::testing::ValuesIn(inputs), [](const auto &input) {
+  return input.param.name;
+});
+
+// A mismatch of the size of the interpolation error, in other boxes.
+TEST_F(Validate, AFluxMismatchOfTheInterpolationInOtherBoxes)
+{
+  // Through three faces, and in space.
+  json three                           = small();
+  three["domain"]["boundary"]["x_min"] = velocity({"4*y*(1-y)", "0"});
+  three["domain"]["boundary"]["x_max"] = velocity({"10*y^2*(1-y)^2", "0"});
+  three["domain"]["boundary"]["y_max"] = velocity({"0", "10*x^2*(1-x)^2"});
+  json cube                            = small();
+  cube["dimension"]                    = 3;
+  cube["domain"]["cells"]              = {4, 4, 4};
+  cube["domain"]["boundary"]["z_min"]  = velocity({"0", "0", "16*x*(1-x)*y*(1-y)"});
+  cube["domain"]["boundary"]["z_max"]  = velocity({"0", "0", "400*(x*(1-x)*y*(1-y))^2"});
+  // Slow, in a box of a micrometre.
+  json tiny                           = small();
+  tiny["domain"]["upper"]             = {1e-6, 1e-6};
+  tiny["domain"]["boundary"]["x_min"] = velocity({"4e3*y*(1-1e6*y)", "0"});
+  tiny["domain"]["boundary"]["x_max"] = velocity({"2e10*y^2*(1-1e6*y)^2", "0"});
+  for (json *const description : {&three, &cube, &tiny})
+    {
+      (*description)["fluid"]["navier_stokes"]["convection"] = "none";
+      (*description)["time"]["end"]                          = .01;
+      const RunResult run                                    = host(*description);
+      EXPECT_EQ(run.exit_code, 0) << run.output;
+      EXPECT_NE(run.output.find("% more out of the box than in"), std::string::npos) << run.output;
+      EXPECT_EQ(read_json(folder / "out/summary.json")["retries"], 0);
+    }
 }

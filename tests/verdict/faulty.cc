@@ -5,13 +5,18 @@
 #include <feib/output_writer.h>
 #include <feib/plugin.h>
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <limits>
+#include <sstream>
 
 namespace
 {
   using namespace feib;
 
-  /// Throws what the name of a fault says.
+  /// Throws what the name of a fault says, limits the size of files as a batch system may, or sends
+  /// the signals whose numbers it lists.
   void
   commit(const std::string &fault)
   {
@@ -23,6 +28,16 @@ namespace
       throw RunFailure("the table of stresses ends here");
     if (fault == "throws_incurable")
       throw Incurable("the table of stresses ends here");
+    if (fault == "limits_files")
+      {
+        const rlimit limit{8192, RLIM_INFINITY};
+        setrlimit(RLIMIT_FSIZE, &limit);
+      }
+    std::istringstream words(fault);
+    std::string word;
+    if (words >> word && word == "signals")
+      for (int number; words >> number;)
+        raise(number);
   }
 
 
@@ -54,7 +69,8 @@ namespace
       const bool faulty = ++n >= start;
       int this_rank;
       MPI_Comm_rank(MPI_COMM_WORLD, &this_rank);
-      if (faulty && (rank < 0 || rank == this_rank))
+      const bool signals = fault.rfind("signals", 0) == 0; // once
+      if ((signals ? n == start : faulty) && (rank < 0 || rank == this_rank))
         commit(fault);
       P = F;
       for (Matrix &p : P)
@@ -92,6 +108,7 @@ namespace
   public:
     explicit FaultyWriter(const Parameters &parameters)
       : fault(parameters.string("fault"))
+      , start(parameters.integer("start"))
       , rank(parameters.integer("rank"))
     {}
 
@@ -106,13 +123,13 @@ namespace
     {
       int this_rank;
       MPI_Comm_rank(MPI_COMM_WORLD, &this_rank);
-      if (snapshot.step == 2 && this_rank == rank)
+      if (int(snapshot.step) == start && (rank < 0 || rank == this_rank))
         commit(fault);
     }
 
   private:
     const std::string fault;
-    const int rank;
+    const int start, rank;
   };
 
 
@@ -120,7 +137,8 @@ namespace
     "type": "object", "additionalProperties": false, "description": "Goes wrong.",
     "properties": {
       "fault": { "type": "string", "description": "What goes wrong [-].", "default": "none" },
-      "start": { "type": "integer", "description": "From which evaluation on [-].", "default": 0 },
+      "start": { "type": "integer", "default": 0,
+        "description": "From which evaluation of a law on, or at which step of a writer [-]." },
       "rank": { "type": "integer", "description": "On which rank; -1: all [-].", "default": -1 }
     },
     "examples": [ {} ] })";

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // What a run says of itself: nothing doubtful ends as "completed" alone, nothing hangs, and every
 // failure leaves a summary, a line in the log, and its cause.
-#include "support/run_host.h"
+#include "support/run_case.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
 
 namespace
 {
@@ -12,48 +15,19 @@ namespace
   const std::string membrane = FEIB_SOURCE "/cases/elliptic_membrane/case.json",
                     disc     = FEIB_SOURCE "/cases/cavity_disc/case.json";
 
-  bool
-  holds(const std::string &text, const std::string &part)
-  {
-    return text.find(part) != std::string::npos;
-  }
-
-  struct Result
-  {
-    int exit_code;
-    std::string output, log;
-    nlohmann::json summary;
-
-    bool
-    warned(const std::string &kind) const
-    {
-      for (const auto &warning : summary["warnings"])
-        if (warning["kind"] == kind)
-          return true;
-      return false;
-    }
-  };
-
-  Result
+  /// With the faulty plugins, and without output unless the settings ask for some.
+  CaseRun
   run(const std::string &file, const std::string &settings, const unsigned int ranks = 1)
   {
-    const TemporaryFolder folder;
-    const RunResult host =
-      run_host(shell_quoted(file) + " --plugin-path " + shell_quoted(FEIB_FAULTY) + " --output " +
-                 shell_quoted(folder / "out") + " --set '/output=[]' " + settings,
-               ranks);
-    Result result{host.exit_code, host.output, "", {}};
-    if (std::filesystem::exists(folder / "out/summary.json"))
-      {
-        result.summary = read_json(folder / "out/summary.json");
-        result.log     = read_file(folder / "out/log.txt");
-      }
-    return result;
+    return run_case(file,
+                    "--plugin-path " + shell_quoted(FEIB_FAULTY) + " --set '/output=[]' " +
+                      settings,
+                    ranks);
   }
 
   /// Refused, failed or doubtful: anything but plain "completed".
   void
-  expect_doubt(const Result &result)
+  expect_doubt(const CaseRun &result)
   {
     if (result.exit_code == 2) // refused before the first step
       return;
@@ -81,7 +55,7 @@ namespace
 
 TEST(Verdict, AGoodRunIsCompleted)
 {
-  const Result result = run(disc, disc_with("{}"));
+  const CaseRun result = run(disc, disc_with("{}"));
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.summary["status"], "completed") << result.output;
   EXPECT_TRUE(result.summary["warnings"].empty());
@@ -115,7 +89,7 @@ TEST(Verdict, UnstableRunsAreNotCompleted)
   expect_doubt(run(FEIB_SOURCE "/cases/ellipsoid/case.json",
                    "--set /domain/cells=[4,4,4] --set /time/step=0.1 --set /time/end=0.4"));
   // The area is lost to the scheme.
-  const Result relaxing =
+  const CaseRun relaxing =
     run(membrane,
         small + "--set '/time/integrator={\"lagged_be\": {}}' --set /time/step=1 --set /time/end=5 "
                 "--set /structures/0/membrane/law/anisotropic_linear/stiffness=10");
@@ -131,12 +105,112 @@ TEST(Verdict, ABoxWithAnOutflowIsJudgedToo)
                           "--set /time/end=0.6"));
 }
 
+// What long steps lose of an area or a volume is said, whatever the scheme and the structure.
+TEST(Verdict, WhatTheTimeSchemeLosesIsSaid)
+{
+  const auto scheme = [](const std::string &name) {
+    return "--set '/time/integrator={\"" + name +
+           "\": {}}' --set /time/step=1 --set /time/end=2 --set ";
+  };
+  const std::string stiff = "/structures/0/membrane/law/anisotropic_linear/stiffness=10";
+  for (const auto &[file, settings] : std::vector<std::pair<std::string, std::string>>{
+         {membrane, scheme("lagged_be") + stiff + " --set /domain/cells=[8,8]"},
+         {membrane, scheme("be_be") + stiff + " --set /domain/cells=[8,8]"},
+         {membrane, scheme("lagged_midpoint") + stiff + " --set /domain/cells=[8,8]"},
+         {FEIB_SOURCE "/cases/ellipsoid/case.json", scheme("lagged_be") + "/domain/cells=[4,4,4]"}})
+    {
+      const CaseRun result = run(file, settings);
+      EXPECT_TRUE(result.exit_code == 1 || result.warned("measure")) << result.output;
+      expect_doubt(result);
+    }
+}
+
+namespace
+{
+  /// The largest of a column.
+  double
+  largest(const CaseRun &result, const std::string &column)
+  {
+    const auto &values = result.ledger.at(column);
+    return *std::max_element(values.begin(), values.end());
+  }
+
+  const std::string with_ledger = " --set '/output=[{\"ledger_csv\": {}}]'";
+} // namespace
+
+// Vortices in and through outflows, rough for their mesh: the energy grows by no more than what
+// comes in.
+TEST(Verdict, VorticesAtOutflowsStayBounded)
+{
+  const TemporaryFolder folder;
+  // Cells, velocities of a stream and of the vortex, and its place.
+  const auto file = [&](const std::string &boundary,
+                        const std::string &stream,
+                        const double vortex,
+                        const double x) {
+    const std::string v = std::to_string(vortex), place = std::to_string(x),
+                      bell = "*exp(-((x-" + place + ")^2+(y-0.5)^2)/0.04)";
+    return folder.write("case.json",
+                        R"j({ "dimension": 2, "domain": { "upper": [2, 1], "cells": [16, 8],
+      "boundary": {)j" + boundary +
+                          R"j(} }, "fluid": { "navier_stokes": { "density": 1, "viscosity": 1e-4,
+      "initial_velocity": [")j" +
+                          stream + "-" + v + "*(y-0.5)" + bell + "\", \"" + v + "*(x-" + place +
+                          ")" + bell + R"j("] } },
+      "time": { "step": 0.02, "end": 0.4, "integrator": { "lagged_be": {} } } })j");
+  };
+  const std::string open      = R"("x_max": {"outflow": {}})",
+                    also_open = R"("x_min": {"outflow": {}}, )",
+                    channel   = R"j("x_min": {"velocity": {"value": ["2*y*(1-y)", 0]
+}
+},
+                      "y_min": {"free_slip": {}}, "y_max": {"free_slip": {}}, )j";
+  const auto bounded          = [&](const std::string &name, const std::string &settings = "") {
+    const CaseRun result = run(name, settings + with_ledger);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_LE(largest(result, "kinetic"),
+              1.05 * result.ledger.at("kinetic")[0] + largest(result, "boundary_work"));
+  };
+  bounded(file(open, "0", 60, .5));                    // a vortex in the box
+  bounded(file(channel + open, "2*y*(1-y)", 15, 1.5)); // one that leaves with a stream
+  bounded(file(also_open + open, "0", 60, 1.9));       // one in an open face, and another
+  bounded(file(open, "0", 60, 1.9),
+          "--set '/fluid/navier_stokes/convective_form=\"skew_symmetric\"'");
+  bounded(file(open, "0", 60, 1.9), "--set '/time/integrator={\"midpoint\": {}}'");
+}
+
+// A lid that starts at once, all else default: nothing is faster than the lid.
+TEST(Verdict, ACavityOfDefaultsIsNotFasterThanItsLid)
+{
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string &dimension,
+                         const std::string &cells,
+                         const std::string &lid,
+                         const std::string &viscosity,
+                         const std::string &end) {
+    const CaseRun result =
+      run(folder.write("case.json",
+                       "{\"dimension\": " + dimension + ", \"domain\": {\"cells\": " + cells +
+                         ", \"boundary\": {\"y_max\": {\"velocity\": {\"value\": " + lid +
+                         "}}}}, \"fluid\": {\"navier_stokes\": {\"density\": 1, \"viscosity\": " +
+                         viscosity + "}}, \"time\": {\"step\": 0.05, \"end\": " + end +
+                         ", \"control\": {\"adaptive\": {}}}}"),
+          with_ledger);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_LE(largest(result, "largest_velocity"), 1.05) << cells << ", " << viscosity;
+  };
+  check("2", "[16, 16]", "[1, 0]", "1e-3", "3");
+  check("2", "[16, 16]", "[-1, 0]", "5e-4", "3");
+  check("2", "[8, 12]", "[1, 0]", "1e-3", "3");
+  check("3", "[4, 4, 4]", "[1, 0, 0]", "1e-3", "0.5");
+}
+
 TEST(Verdict, ALawWhoseStressIsNotTheDerivativeOfItsEnergy)
 {
   // Also when it becomes wrong while the run is under way.
   for (const std::string start : {"0", "30"})
     {
-      const Result result =
+      const CaseRun result =
         run(disc, disc_with("{\"fault\": \"doubled\", \"start\": " + start + "}"));
       expect_doubt(result);
       if (start == "30")
@@ -159,7 +233,7 @@ TEST(Verdict, WhatALawThrowsEndsTheRunOnAllRanks)
   for (const std::string fault : {"throws_int", "throws_std", "throws_failure", "not_finite"})
     for (const unsigned int ranks : {1, 2})
       {
-        const Result result =
+        const CaseRun result =
           run(disc,
               disc_with("{\"fault\": \"" + fault +
                         "\", \"start\": 40, \"rank\": " + std::to_string(ranks - 1) + "}"),
@@ -180,10 +254,10 @@ TEST(Verdict, WhatAWriterThrowsOnOneRankEndsTheRunOnAll)
 {
   for (const std::string fault : {"throws_int", "throws_std"})
     {
-      const Result result =
+      const CaseRun result =
         run(disc,
             disc_with("{}") + "--set '/output=[{\"faulty_writer\": {\"fault\": \"" + fault +
-              "\", \"rank\": 1}}]'",
+              "\", \"start\": 2, \"rank\": 1}}]'",
             2);
       EXPECT_EQ(result.exit_code, 1) << result.output;
       ASSERT_TRUE(result.summary.is_object()) << result.output;
@@ -197,7 +271,7 @@ TEST(Verdict, AFailureBeforeTheFirstStateLeavesASummary)
   // From the first evaluation on.
   for (const std::string fault : {"throws_std", "throws_incurable"})
     {
-      const Result result = run(disc, disc_with("{\"fault\": \"" + fault + "\"}"));
+      const CaseRun result = run(disc, disc_with("{\"fault\": \"" + fault + "\"}"));
       EXPECT_NE(result.exit_code, 0);
       if (result.exit_code == 2)
         continue;
@@ -206,7 +280,7 @@ TEST(Verdict, AFailureBeforeTheFirstStateLeavesASummary)
       EXPECT_EQ(result.summary["steps"], 0);
     }
   // What enters cannot leave.
-  const Result flux =
+  const CaseRun flux =
     run(disc, "--set '/domain/boundary={\"x_min\": {\"velocity\": {\"value\": [1, 0]}}}'");
   EXPECT_TRUE(flux.exit_code == 1 || flux.exit_code == 2) << flux.output;
   if (flux.exit_code == 1)
@@ -218,7 +292,7 @@ TEST(Verdict, AFailureBeforeTheFirstStateLeavesASummary)
 
 TEST(Verdict, RetriesEnd)
 {
-  const Result result =
+  const CaseRun result =
     run(disc,
         disc_with("{\"fault\": \"throws_std\", \"start\": 10}") + "--set /time/step=5e-324 "
                                                                   "--set /time/end=1e-322");
@@ -240,7 +314,7 @@ TEST(Verdict, ABodyThatFoldsIsSaid)
     "law": { "neo_hookean": { "shear_modulus": 1e-6 } } } } ],
   "time": { "step": 0.1, "end": 0.1, "integrator": { "fe_be": {} } }
 })j");
-  const Result result    = run(file, "");
+  const CaseRun result   = run(file, "");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_TRUE(result.warned("folded")) << result.output;
 }
@@ -254,17 +328,17 @@ TEST(Verdict, DoubtfulGeometryIsSaid)
   EXPECT_TRUE(run(disc, centred("0.23")).warned("near_wall"));
   EXPECT_FALSE(run(disc, centred("0")).warned("near_wall"));
   EXPECT_TRUE(run(disc, rest + "--set /domain/cells=[32,32]").warned("long_elements"));
-  const Result folded =
+  const CaseRun folded =
     run(disc,
         rest + "--set '/structures/0/hyperelastic/initial_position=[\"0.4+abs(s1-0.5)\", \"s2\"]'");
   EXPECT_EQ(folded.exit_code, 2);
   EXPECT_NE(folded.output.find("/initial_position: fl"), std::string::npos) << folded.output;
-  const Result flat =
+  const CaseRun flat =
     run(disc,
         rest +
           "--set '/structures/0/hyperelastic/initial_position=[\"s1\", \"0.5+0.02*(s2-0.5)\"]'");
   EXPECT_TRUE(flat.warned("element_shape"));
-  const Result two = run(
+  const CaseRun two = run(
     disc,
     rest +
       "--set '/structures=[{\"hyperelastic\": {\"name\": \"a\", \"mesh\": {\"disc\": {\"centre\":"
@@ -272,4 +346,65 @@ TEST(Verdict, DoubtfulGeometryIsSaid)
       "{\"hyperelastic\": {\"name\": \"b\", \"mesh\": {\"disc\": {\"centre\": [0.6, 0.5], "
       "\"radius\": 0.2, \"rings\": 4}}, \"law\": {\"faulty\": {}}}}]'");
   EXPECT_TRUE(two.warned("overlap")) << two.output;
+}
+
+// The signal comes in the initial output, in the middle of the first step or of a later one, to one
+// rank or to all.
+TEST(Verdict, ASignalAtAnyMomentStopsTheRunInOrder)
+{
+  const auto law = [](const int start, const int rank, const int number) {
+    return disc_with("{\"fault\": \"signals " + std::to_string(number) + "\", \"start\": " +
+                     std::to_string(start) + ", \"rank\": " + std::to_string(rank) + "}");
+  };
+  const std::string at_start = disc_with("{}") + "--set '/output=[{\"faulty_writer\": {\"fault\": "
+                                                 "\"signals 1\", \"rank\": 0}}]'";
+  for (const auto &[settings, ranks] : std::vector<std::pair<std::string, unsigned int>>{
+         {at_start, 1}, {law(40, -1, SIGUSR1), 1}, {law(45, 1, SIGXCPU), 2}})
+    {
+      const CaseRun result = run(disc, settings, ranks);
+      EXPECT_EQ(result.exit_code, 1) << result.output;
+      EXPECT_EQ(result.summary["status"], "stopped") << result.output;
+      EXPECT_LT(result.summary["steps"], 20);
+      EXPECT_TRUE(holds(result.log, "error: stopped by")) << result.log;
+    }
+}
+
+// Who asks twice does not want to wait for the end of a step; XCPU comes every second by itself.
+TEST(Verdict, ASecondSignalEndsTheRunAtOnce)
+{
+  const auto twice = [](const std::string &numbers) {
+    const TemporaryFolder folder;
+    return run_host(shell_quoted(disc) + " --plugin-path " + shell_quoted(FEIB_FAULTY) +
+                    " --output " + shell_quoted(folder / "out") + " " +
+                    disc_with("{\"fault\": \"signals " + numbers + "\", \"start\": 40}"));
+  };
+  const std::string usr1 = std::to_string(SIGUSR1), xcpu = std::to_string(SIGXCPU);
+  for (const int second : {SIGUSR1, SIGTERM})
+    {
+      const RunResult result = twice(usr1 + " " + std::to_string(second));
+      EXPECT_EQ(result.exit_code, 128 + second);
+      EXPECT_TRUE(holds(result.output, "at once, the second one\n")) << result.output;
+    }
+  EXPECT_EQ(twice(xcpu + " " + xcpu).exit_code, 1);
+}
+
+// The system ends a program that writes beyond the limit of sizes, unless it minds the error
+// itself.
+TEST(Verdict, AFileBeyondTheLimitOfSizesIsNamed)
+{
+  for (const auto &[writer, file] :
+       {std::pair{"vtu", "/fluid_0000"}, std::pair{"ledger_csv", "/ledger.csv"}})
+    {
+      const CaseRun result =
+        run(disc,
+            disc_with("{}") +
+              "--set '/output=[{\"faulty_writer\": {\"fault\": \"limits_files\"}}, "
+              "{\"" +
+              writer + "\": {}}]'");
+      EXPECT_EQ(result.exit_code, 1) << result.output;
+      EXPECT_EQ(result.summary["status"], "failed");
+      for (const std::string &words : {std::string(file), std::string("File too large")})
+        EXPECT_TRUE(holds(result.summary["message"], words)) << result.summary["message"];
+      EXPECT_FALSE(holds(result.summary["message"], "; and ")) << "it is said once";
+    }
 }

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // A wrong law is found before the first step, by name, and nothing is written.
+#include "support/complaint.h"
 #include "support/run_host.h"
-
-#include <feib/case.h>
-#include <feib/plugin_loader.h>
-#include <feib/registry.h>
-#include <feib/simulation.h>
 
 #include <gtest/gtest.h>
 
@@ -39,29 +35,10 @@ namespace
            structure + R"(], "time": { "step": 0.001, "end": 0.001 } })";
   }
 
-  /// What is said of a case when its simulation is built, as --validate and runs do; "" when it is
-  /// valid.
   std::string
-  complaint(const std::string &text)
+  judged(const std::string &text)
   {
-    static feib::Registry registry;
-    static const bool loaded = [&] {
-      feib::PluginLoader loader(registry);
-      for (const std::string &folder : feib::PluginLoader::search_path({FEIB_WRONG_LAWS}))
-        loader.load_directory(folder);
-      return true;
-    }();
-    EXPECT_TRUE(loaded);
-    const feib::Case description(text, "case.json", registry);
-    try
-      {
-        feib::Simulation::create(description);
-      }
-    catch (const feib::Error &error)
-      {
-        return description.format(error.issues());
-      }
-    return "";
+    return complaint(text, {}, FEIB_WRONG_LAWS);
   }
 
   std::string
@@ -108,7 +85,7 @@ TEST(WrongLaws, EachIsStoppedByName)
         {
           SCOPED_TRACE(fault.name + std::string(structure == curve ? ", curve" : "") +
                        (structure == body_3d ? ", 3D" : ""));
-          const std::string said = complaint(case_of(structure, wrong(fault.name)));
+          const std::string said = judged(case_of(structure, wrong(fault.name)));
           EXPECT_NE(said.find(std::string("/structures/0/") +
                               (structure == curve ? "membrane" : "hyperelastic") +
                               "/law: the law \"wrong_law\" of structure \"disc\" "),
@@ -142,7 +119,7 @@ TEST(WrongLaws, OptionsHideNothing)
                                  ", \"boundary_faces\": false",
                                  ", \"face_quadrature\": { \"gauss\": { \"points\": 2 } }"})
     for (const std::string fault : {"sign", "twice", "both negative", "no derivative"})
-      EXPECT_NE(complaint(case_of(body, wrong(fault), more)), "") << more << ", " << fault;
+      EXPECT_NE(judged(case_of(body, wrong(fault), more)), "") << more << ", " << fault;
 }
 
 TEST(WrongLaws, RightLawsPass)
@@ -168,9 +145,9 @@ TEST(WrongLaws, RightLawsPass)
                                         ", \"volumetric_modulus\": 100",
                                         ", \"face_quadrature\": { \"gauss\": { \"points\": 2 } }",
                                         ", \"boundary_faces\": false"})
-        EXPECT_EQ(complaint(case_of(body, law, more + options)), "");
+        EXPECT_EQ(judged(case_of(body, law, more + options)), "");
   for (const std::string law : {"{ \"neo_hookean\": { \"shear_modulus\": 1 } }",
                                 "{ \"mooney_rivlin_fibres\": { \"c1\": 1, \"c2\": 0 } }",
                                 "{ \"anisotropic_linear\": { \"stiffness\": 1 } }"})
-    EXPECT_EQ(complaint(case_of(curve, law)), "");
+    EXPECT_EQ(judged(case_of(curve, law)), "");
 }

@@ -21,7 +21,7 @@ namespace feib
   };
 
   /// Expressions of a case as a function of place and time, which remembers where it was not
-  /// finite.
+  /// finite, or beyond 1e100.
   template <int dim>
   class Expressions : public dealii::Function<dim>
   {

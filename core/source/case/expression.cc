@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/expression.h>
+#include <feib/message.h>
 
 #include <muParser.h>
 
@@ -148,7 +149,10 @@ namespace feib
       Issues not_finite(MPI_Comm communicator) override;
 
     private:
-      /// Where a component is not finite.
+      /// Squares of values, times lengths and masses, stay finite.
+      static constexpr double largest = 1e100;
+
+      /// Where a component is not finite, or too large.
       struct Trouble
       {
         std::array<double, dim> place;
@@ -182,7 +186,7 @@ namespace feib
       {
         Component &component = components[i];
         const double result  = component.constant ? component.value : component.parser.Eval();
-        if (!std::isfinite(result))
+        if (!(std::abs(result) <= largest))
           {
             Trouble trouble{{}, this->get_time(), result};
             std::copy(p.begin_raw(), p.end_raw(), trouble.place.begin());
@@ -225,17 +229,18 @@ namespace feib
           if (first.empty())
             continue;
           std::ostringstream message;
+          const double value = first[dim + 1];
           message << '"' << component.text << "\" is "
-                  << (std::isnan(first[dim + 1]) ? "nan"
-                      : first[dim + 1] > 0       ? "inf"
-                                                 : "-inf")
+                  << (std::isnan(value) ? "nan" : readable(value))
                   << (has_time ? " at (" : " at the reference place (");
           for (unsigned int a = 0; a < dim; ++a)
             message << (a > 0 ? ", " : "") << first[a];
           message << ')';
           if (has_time)
             message << " and time " << first[dim];
-          message << "; it must be finite there";
+          message << "; it must be "
+                  << (std::isfinite(value) ? "at most " + readable(largest) + " in size" : "finite")
+                  << " there";
           issues.push_back({component.pointer, message.str()});
         }
       return issues;

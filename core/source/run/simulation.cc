@@ -767,7 +767,8 @@ namespace feib
           }
         catch (const RunFailure &second)
           {
-            message += std::string("; and ") + second.what();
+            if (why != second.what()) // what could not be written cannot be written now
+              message += std::string("; and ") + second.what();
           }
       };
       if (accounts.ledger.n_rows() > 0)

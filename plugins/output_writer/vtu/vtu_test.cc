@@ -241,41 +241,84 @@ namespace
                        10);
   }
 
-  TEST(Vtu, NoDigitsAreLostFarFromTheOrigin)
+  /// A structure and cells in the unit box at @p origin, where single precision has no digits left.
+  /// @p block: with X, Y (and Z) for the middle of the box.
+  template <int dim>
+  void
+  check_far_away(const std::array<double, dim> &origin,
+                 const std::string &component,
+                 std::string block)
   {
+    const auto list = [&](const double shift) {
+      std::string text;
+      for (const double x : origin)
+        text += (text.empty() ? "" : ", ") + Utilities::to_string(x + shift);
+      return "[" + text + "]";
+    };
+    for (unsigned int a = 0; a < dim; ++a)
+      for (std::size_t at; (at = block.find("XYZ"[a])) != std::string::npos;)
+        block.replace(at, 1, Utilities::to_string(origin[a] + .5));
     TemporaryFolder folder;
     const auto space =
-      feib::testing::make_space<2>(R"({"lower": [1e8, -1e8], "upper": [1.00000001e8, -99999999],
-                                      "cells": [4, 4]})");
-    std::vector<ImmersedStructure<2>> structures(1);
+      feib::testing::make_space<dim>("{\"lower\": " + list(0) + ", \"upper\": " + list(1) +
+                                     ", \"cells\": " + (dim == 2 ? "[4, 4]}" : "[4, 4, 4]}"));
+    std::vector<ImmersedStructure<dim>> structures(1);
     const Ledger ledger;
-    structures[0].model = feib::testing::registry().create<StructureModel<2>>(
-      "hyperelastic",
-      body(R"("mesh": {"disc": {"centre": [100000000.5, -99999999.5], "radius": 0.25, "rings": 3}},
-              "material": "16777217")"));
-    const auto writer = feib::testing::registry().create<OutputWriter<2>>("vtu");
+    structures[0].model =
+      feib::testing::registry().create<StructureModel<dim>>(component, body(block));
+    const auto writer = feib::testing::registry().create<OutputWriter<dim>>("vtu");
     writer->write({0, 0., folder.path, *space, structures, ledger});
 
-    const VtuFile disc(folder.read("body_000000.vtu"));
-    const auto &model = *structures[0].model;
+    const VtuFile written(folder.read("body_000000.vtu"));
+    const auto &model    = *structures[0].model;
+    const unsigned int n = model.mesh().structure_dim() + 1;
     for (unsigned int e = 0; e < model.mesh().n_elements(); ++e)
-      for (unsigned int k = 0; k < 3; ++k)
+      for (unsigned int k = 0; k < n; ++k)
         {
           const auto &element      = model.mesh().elements()[e];
-          const unsigned int point = disc["connectivity"][3 * e + k];
-          EXPECT_EQ(disc.point<2>(point), model.positions[element.nodes[k]]);
-          EXPECT_NEAR(disc["reference"][3 * point], model.positions[element.nodes[k]][0], 1e-7);
-          EXPECT_EQ(disc["material_id"][point], 16777217);
+          const unsigned int point = written["connectivity"][n * e + k];
+          EXPECT_EQ(written.point<dim>(point), model.positions[element.nodes[k]]);
+          EXPECT_EQ(written["material_id"][point], element.material_id);
+          for (unsigned int a = 0; a < dim; ++a)
+            if (model.mesh().structure_dim() == dim) // the reference coordinates are places
+              {
+                EXPECT_NEAR(written["reference"][3 * point + a],
+                            model.positions[element.nodes[k]][a],
+                            1e-15 * std::abs(origin[a]) + 1e-15);
+              }
         }
 
     const VtuFile fluid(folder.read("fluid_000000." + std::to_string(folder.rank()) + ".vtu"));
+    constexpr unsigned int n_nodes = EulerianSpace<dim>::n_nodes;
     for (unsigned int c = 0; c < fluid["types"].size(); ++c)
-      for (unsigned int a = 0; a < 2; ++a)
-        EXPECT_EQ(fluid.point<2>(fluid["connectivity"][9 * c + 2])[a] -
-                    fluid.point<2>(fluid["connectivity"][9 * c])[a],
+      for (unsigned int a = 0; a < dim; ++a)
+        EXPECT_EQ(fluid.point<dim>(fluid["connectivity"][n_nodes * c + (dim == 2 ? 2 : 6)])[a] -
+                    fluid.point<dim>(fluid["connectivity"][n_nodes * c])[a],
                   .25);
     EXPECT_NE(folder.read("fluid_000000.pvtu").find("\"Float64\" NumberOfComponents=\"3\""),
               std::string::npos);
+  }
+
+  TEST(Vtu, NoDigitsAreLostFarFromTheOrigin)
+  {
+    const std::string disc = R"("mesh": {"disc": {"centre": [X, Y], "radius": 0.25, "rings": 3}},
+                                "material": "16777217")";
+    check_far_away<2>({1e6, 1e6}, "hyperelastic", disc);
+    check_far_away<2>({1e8, -1e8}, "hyperelastic", disc);
+    check_far_away<2>({-1e9, 0}, "hyperelastic", disc);
+    check_far_away<2>({1e8, -1e8},
+                      "membrane",
+                      R"j("mesh": {"closed_curve": {"length": 1, "elements": 12}},
+                          "initial_position": ["X + 0.2 * cos(2 * pi * s1)",
+                                               "Y + 0.2 * sin(2 * pi * s1)"])j");
+    check_far_away<3>(
+      {1e8, 0, -1e8},
+      "hyperelastic",
+      R"("mesh": {"ball": {"centre": [X, Y, Z], "radius": 0.25, "refinements": 0}})");
+    check_far_away<3>({0, 1e8, 1e8},
+                      "membrane",
+                      R"("mesh": {"sphere": {"radius": 0.25, "refinements": 0}},
+                         "initial_position": ["s1 + X", "s2 + Y", "s3 + Z"])");
   }
 
   TEST(Vtu, TheSeriesNamesAllTimes)
