@@ -57,7 +57,7 @@ namespace
   extern "C" void
   on_signal(const int number)
   {
-    if (running != 0 && number == SIGUSR1)
+    if (number == SIGUSR1)
       {
         checkpoint_wanted = 1;
         return;

@@ -359,7 +359,7 @@ TEST(Verdict, ASignalAtAnyMomentStopsTheRunInOrder)
   const std::string at_start = disc_with("{}") + "--set '/output=[{\"faulty_writer\": {\"fault\": "
                                                  "\"signals 1\", \"rank\": 0}}]'";
   for (const auto &[settings, ranks] : std::vector<std::pair<std::string, unsigned int>>{
-         {at_start, 1}, {law(40, -1, SIGUSR1), 1}, {law(45, 1, SIGXCPU), 2}})
+         {at_start, 1}, {law(40, -1, SIGUSR2), 1}, {law(45, 1, SIGXCPU), 2}})
     {
       const CaseRun result = run(disc, settings, ranks);
       EXPECT_EQ(result.exit_code, 1) << result.output;
@@ -378,10 +378,10 @@ TEST(Verdict, ASecondSignalEndsTheRunAtOnce)
                     " --output " + shell_quoted(folder / "out") + " " +
                     disc_with("{\"fault\": \"signals " + numbers + "\", \"start\": 40}"));
   };
-  const std::string usr1 = std::to_string(SIGUSR1), xcpu = std::to_string(SIGXCPU);
-  for (const int second : {SIGUSR1, SIGTERM})
+  const std::string usr2 = std::to_string(SIGUSR2), xcpu = std::to_string(SIGXCPU);
+  for (const int second : {SIGUSR2, SIGTERM})
     {
-      const RunResult result = twice(usr1 + " " + std::to_string(second));
+      const RunResult result = twice(usr2 + " " + std::to_string(second));
       EXPECT_EQ(result.exit_code, 128 + second);
       EXPECT_TRUE(holds(result.output, "at once, the second one\n")) << result.output;
     }
