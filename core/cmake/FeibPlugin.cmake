@@ -36,7 +36,10 @@ function(feib_add_plugin name)
   set_target_properties(${name} PROPERTIES
     PREFIX "" SUFFIX ".feib.so" LIBRARY_OUTPUT_DIRECTORY ${FEIB_PLUGIN_OUTPUT_DIRECTORY})
   target_link_libraries(${name} PRIVATE Feib::core ${arg_LIBRARIES})
-  target_link_options(${name} PRIVATE -Wl,--no-undefined)
+  # Nothing but feib_plugin is seen from outside: two plugins may call two things by one name.
+  set(exports ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.map)
+  target_link_options(${name} PRIVATE LINKER:--no-undefined LINKER:--version-script=${exports})
+  set_target_properties(${name} PROPERTIES LINK_DEPENDS ${exports})
   feib_embed(${name} ${arg_SCHEMAS})
   feib_precompile(${name})
   install(TARGETS ${name} LIBRARY DESTINATION lib/feib/plugins)

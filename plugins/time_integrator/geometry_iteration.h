@@ -33,7 +33,7 @@ namespace feib
     bool
     converged(const Configuration &G, const Configuration &g)
     {
-      shape = &G;
+      shape = G;
       Vector x, f;
       double largest = 0;
       for (unsigned int s = 0; s < G.size(); ++s)
@@ -105,7 +105,7 @@ namespace feib
           add(rest, -share, basis.back());
           add(step, -share, images.back());
         }
-      Configuration result = *shape;
+      Configuration result = shape;
       unsigned int entry   = 0;
       for (auto &positions : result)
         for (auto &X : positions)
@@ -143,8 +143,8 @@ namespace feib
     }
 
     const double tolerance;
-    const Configuration *shape = nullptr;
-    unsigned int count         = 0;
+    Configuration shape; // of the last geometry
+    unsigned int count = 0;
     double first = 0, best = 0;
     std::string history;
     Vector position, residual; // the newest

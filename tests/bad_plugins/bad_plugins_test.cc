@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
+#include <filesystem>
 
 using namespace feib::testing;
 
@@ -43,6 +45,24 @@ namespace
     return reason(output, FEIB_BAD_PLUGINS, plugin);
   }
 } // namespace
+
+// Two plugins may call two things by one name.
+TEST(Plugins, ExportTheirDescriptionAndNothingElse)
+{
+  unsigned int n = 0;
+  for (const auto &entry : std::filesystem::directory_iterator(FEIB_PLUGINS))
+    if (entry.path().extension() == ".so")
+      {
+        ++n;
+        const RunResult symbols =
+          run_command("nm -D --defined-only --format=posix " + shell_quoted(entry.path()));
+        EXPECT_EQ(symbols.output.substr(0, symbols.output.find(' ')), "feib_plugin")
+          << entry.path();
+        EXPECT_EQ(std::count(symbols.output.begin(), symbols.output.end(), '\n'), 1)
+          << entry.path();
+      }
+  EXPECT_GT(n, 15u);
+}
 
 TEST(BadPlugins, OlderAbi)
 {

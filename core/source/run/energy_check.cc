@@ -30,6 +30,7 @@ namespace feib
   {
     totals.unexplained.assign(components.structures.size(), 0.);
     totals.elastic_work.assign(components.structures.size(), 0.);
+    totals.gained.assign(components.structures.size(), 0.);
     for (const ImmersedStructure<dim> &structure : components.structures)
       {
         const StructureModel<dim> &model = *structure.model;
@@ -80,6 +81,7 @@ namespace feib
 
     totals.unexplained[s] += exchange.unexplained;
     totals.elastic_work[s] += exchange.elastic_work;
+    totals.gained[s] += gained;
     const double unexplained = std::abs(totals.unexplained[s]);
     if (unexplained > allowed * totals.elastic_work[s] + round_off(s))
       throw Incurable("the load of the structure \"" + model.name() + "\" has done a work of " +
@@ -97,17 +99,28 @@ namespace feib
 
 
   template <int dim>
-  std::pair<double, std::string>
-  EnergyCheck<dim>::unexplained() const
+  typename EnergyCheck<dim>::Worst
+  EnergyCheck<dim>::worst(const std::vector<double> &energies) const
   {
-    std::pair<double, std::string> worst{0., ""};
-    for (unsigned int s = 0; s < totals.unexplained.size(); ++s)
+    Worst result{0., ""};
+    for (unsigned int s = 0; s < energies.size(); ++s)
       {
-        const double beyond = std::abs(totals.unexplained[s]) - round_off(s);
-        if (beyond > worst.first * totals.elastic_work[s])
-          worst = {beyond / totals.elastic_work[s], components.structures[s].model->name()};
+        const double beyond = std::abs(energies[s]) - round_off(s);
+        if (beyond > result.first * totals.elastic_work[s])
+          result = {beyond / totals.elastic_work[s], components.structures[s].model->name()};
       }
-    return worst;
+    return result;
+  }
+
+
+  template <int dim>
+  typename EnergyCheck<dim>::Worst
+  EnergyCheck<dim>::gained() const
+  {
+    std::vector<double> gains = totals.gained;
+    for (double &gain : gains)
+      gain = std::max(0., gain);
+    return worst(gains);
   }
 
 

@@ -19,7 +19,7 @@ namespace feib
     struct Totals
     {
       double growth = 0; // energy from nowhere beyond what was dissipated, since it last vanished
-      std::vector<double> unexplained, elastic_work; // of each structure
+      std::vector<double> unexplained, elastic_work, gained; // of each structure
 
       void
       archive(Archive &archive)
@@ -27,6 +27,7 @@ namespace feib
         archive("growth", growth);
         archive("unexplained", unexplained);
         archive("elastic_work", elastic_work);
+        archive("gained", gained);
       }
     };
     Totals totals;
@@ -38,11 +39,24 @@ namespace feib
     /// The fluid's and structures' energies before and after a step. Throws RunFailure.
     void judge(double before, double after, const Report &report);
 
-    /// The structure with the largest part of unexplained energy, and that part; -1 without.
-    std::pair<double, std::string> unexplained() const;
+    /// A structure and a part of the work of its load since the beginning.
+    using Worst = std::pair<double, std::string>;
+
+    /// The structure with the largest part that no change of its energy explains; 0 without.
+    Worst
+    unexplained() const
+    {
+      return worst(totals.unexplained);
+    }
+
+    /// The structure with the largest part that is energy gained beyond the work done on it, which
+    /// an explicit scheme has from modes too fast for its step; 0 without.
+    Worst gained() const;
 
   private:
     void judge_structure(unsigned int s, double scale, const Report &report);
+
+    Worst worst(const std::vector<double> &energies) const;
 
     /// Below which unexplained energy of a structure is round-off.
     double round_off(unsigned int s) const;

@@ -454,12 +454,22 @@ namespace feib
     void
     SimulationInDimension<dim>::check_result()
     {
+      // Explicit schemes gain a little by theory.
+      constexpr double tolerated_gain = .1;
       if (const auto [part, name] = energy_check->unexplained(); part > .01)
         verdict.warn("unexplained_energy",
                      record.time,
                      part,
                      "nothing explains some of the energy of the structure \"" + name +
                        "\": the stress of its law is not the derivative of its energy");
+      if (const auto [part, name] = energy_check->gained(); part > tolerated_gain)
+        {
+          std::ostringstream text;
+          text << std::setprecision(2) << "the structure \"" << name << "\" has gained "
+               << 100 * part << " % of the work of its load from the time scheme: "
+               << stability_sentence(accounts.ledger.last("dt"));
+          verdict.warn("structure_growth", record.time, part, text.str());
+        }
       const auto &totals = accounts.totals;
       for (unsigned int s = 0; s < parts.structures.size(); ++s)
         {
