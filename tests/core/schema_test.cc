@@ -70,8 +70,9 @@ namespace
           return result;
         }
       if (type == "number")
-        return one_in(20) ? Json(0.5 * below(300) - 2)
-                          : Json(schema.value("minimum", 0.) + 1 + below(3));
+        return one_in(20)   ? Json(0.5 * below(300) - 2)
+               : one_in(50) ? Json(std::uint64_t(1) << 63) // beyond integers with a sign
+                            : Json(schema.value("minimum", 0.) + 1 + below(3));
       if (type == "integer")
         return one_in(20) ? Json(2.0) : one_in(20) ? Json(-1) : Json(1 + below(4));
       if (type == "string")

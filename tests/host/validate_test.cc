@@ -474,7 +474,10 @@ namespace
 
     // Integers beyond 64 bits are numbers, and readable.
     {"IntegerOf2To63", micrometres, {{fluid + "density", "9223372036854775808"}}, {}},
-    {"IntegerOf2To64", micrometres, {{"/time/step", "18446744073709551616"}}, {"/time/"}},
+    {"LargestIntegerOf64Bits",
+     micrometres,
+     {{square + "law/neo_hookean/shear_modulus", "18446744073709551615"}},
+     {}},
     {"NegativeInteger",
      micrometres,
      {{fluid + "viscosity", "-18446744073709551616"}},

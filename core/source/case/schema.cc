@@ -11,6 +11,7 @@
 #include <valijson/validator.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 #include "case_schema.h"
@@ -640,10 +641,27 @@ namespace feib
   }
 
 
+  namespace
+  {
+    /// Validators hold integers of 63 bits; what is larger is a number to them.
+    void
+    widen_integers(nlohmann::json &value)
+    {
+      if (value.is_number_unsigned() &&
+          value.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max()))
+        value = value.get<double>();
+      else if (value.is_structured())
+        for (nlohmann::json &part : value)
+          widen_integers(part);
+    }
+  } // namespace
+
+
   bool
   Schema::accepts(const std::string &document) const
   {
-    const nlohmann::json json(parse(document));
+    nlohmann::json json(parse(document));
+    widen_integers(json);
     const valijson::adapters::NlohmannJsonAdapter target(json);
     valijson::Validator validator;
     return validator.validate(implementation->judge(), target, nullptr);
