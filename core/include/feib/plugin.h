@@ -2,15 +2,17 @@
 #ifndef feib_plugin_h
 #define feib_plugin_h
 
+#include <feib/header_hash.h>
 #include <feib/registry.h>
 
 #include <deal.II/base/config.h>
 
 #include <cstdint>
 
-/// Counts the changes of the interfaces. A plugin built against another number is refused: with
-/// reordered virtual functions it would compute wrong numbers without any error.
-#define FEIB_ABI 5
+/// Counts the changes of the interfaces, for people to talk about. A plugin built against another
+/// number is refused; one that was compiled with other public headers is so too, by the build tag:
+/// with reordered virtual functions it would compute wrong numbers without any error.
+#define FEIB_ABI 6
 
 #define FEIB_STRINGIZE_(x) #x
 #define FEIB_STRINGIZE(x) FEIB_STRINGIZE_(x)
@@ -22,9 +24,10 @@
 #endif
 
 /// What must be the same in the host and in a plugin for their objects to have the same layout.
-#define FEIB_BUILD_TAG                                   \
-  "deal.II " DEAL_II_PACKAGE_VERSION " " FEIB_BUILD_TYPE \
-  ", compiler " FEIB_STRINGIZE(__GNUC__) ", libstdc++ abi " FEIB_STRINGIZE(_GLIBCXX_USE_CXX11_ABI)
+#define FEIB_BUILD_TAG                                                      \
+  "deal.II " DEAL_II_PACKAGE_VERSION " " FEIB_BUILD_TYPE                    \
+  ", compiler " FEIB_STRINGIZE(__GNUC__) ", libstdc++ abi " FEIB_STRINGIZE( \
+    _GLIBCXX_USE_CXX11_ABI) ", headers " FEIB_HEADER_HASH
 
 /// The only symbol a plugin exports: plain data, read before any code of the plugin is trusted.
 struct FeibPlugin

@@ -146,6 +146,7 @@ namespace feib
       bool flux_told    = false;
       std::unique_ptr<EnergyCheck<dim>> energy_check; // from the initial state on
       std::vector<double> initial_measures;           // of each structure
+      double calm_limit         = 0;                  // of the step, when energy last did not grow
       double displacement_error = -1;
       bool inaccurate           = false;       // whether the last step failed for accuracy alone
       unsigned int failures     = 0;           // steps that failed for another reason
@@ -210,6 +211,7 @@ namespace feib
       archive("verdict", verdict);
       archive("record", record);
       archive("failures", failures);
+      archive("calm_limit", calm_limit);
       archive("growths", growths);
       archive("flux_told", flux_told);
       archive("last_written", last_written);
@@ -331,6 +333,7 @@ namespace feib
       accounts.ledger.add(accounts.add(0, 0., 0., {}, {}));
       parts.control->start(control_state());
       record.stability_limit = parts.integrator->stability_limit(parts.system()).dt;
+      calm_limit             = record.stability_limit;
       check_meshes(parts, 0., verdict);
       check_structures(parts, 0., verdict);
       check_overlap(parts, 0., verdict);
@@ -420,7 +423,9 @@ namespace feib
     std::string
     SimulationInDimension<dim>::stability_sentence(const double dt)
     {
-      const auto limit = parts.integrator->stability_limit(parts.system());
+      auto limit = parts.integrator->stability_limit(parts.system());
+      // A state that has begun to go wrong has limits of its own.
+      limit.dt = std::max(limit.dt, calm_limit);
       std::ostringstream text;
       text << std::setprecision(2) << "dt = " << dt;
       if (dt > limit.dt)
@@ -519,7 +524,7 @@ namespace feib
     SimulationInDimension<dim>::cause(const double dt)
     {
       check_limits(dt);
-      if (energy_check->grew || dt > parts.integrator->stability_limit(parts.system()).dt)
+      if (energy_check->grew || dt > accounts.smallest_limit())
         return ": " + stability_sentence(dt);
       return "";
     }
@@ -577,6 +582,8 @@ namespace feib
             {
               take_step(dt, parts.control->next_time());
               parts.control->accept(control_state());
+              if (energy_check->totals.growth == 0)
+                calm_limit = accounts.smallest_limit();
               break;
             }
           catch (const Incurable &)
