@@ -298,6 +298,21 @@ namespace
   }
 
 
+  /// An exception that perhaps only this rank has met: the others would wait for ever.
+  int
+  give_up(const std::string &what)
+  {
+    log::status("");
+    if (speaks())
+      log::error(what); // into the file as well
+    else
+      std::cerr << readable_lines("error: " + what) << std::endl;
+    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    return 1;
+  }
+
+
   /// Whether the end was reached.
   bool
   run(Simulation &simulation,
@@ -315,10 +330,18 @@ namespace
       {
         return simulation.run({command.output, show, requested, versions, checkpoint});
       }
+    catch (const RunFailure &failure)
+      {
+        leave_summary(command.output, failure.what());
+        throw;
+      }
     catch (...)
       {
-        leave_summary(command.output, words(std::current_exception()));
-        throw;
+        // Perhaps of this rank alone: here, before anything is destroyed that asks the others.
+        const std::string what = words(std::current_exception());
+        leave_summary(command.output, what);
+        give_up(what);
+        return false;
       }
   }
 
@@ -417,21 +440,6 @@ namespace
     if (command.validate)
       return print(name + " is valid\n" + simulation->forecast()), 0;
     return run(*simulation, command, *description, used, checkpoint.folder) ? 0 : 1;
-  }
-
-
-  /// An exception that perhaps only this rank has met: the others would wait for ever.
-  int
-  give_up(const std::string &what)
-  {
-    log::status("");
-    if (speaks())
-      log::error(what); // into the file as well
-    else
-      std::cerr << readable_lines("error: " + what) << std::endl;
-    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
-      MPI_Abort(MPI_COMM_WORLD, 1);
-    return 1;
   }
 } // namespace
 

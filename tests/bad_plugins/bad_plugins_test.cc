@@ -184,7 +184,6 @@ TEST(BadPlugins, SignalsWhilePluginsAreLoaded)
   for (const auto &[number, name] : {std::pair<int, std::string>{SIGINT, "INT"},
                                      {SIGTERM, "TERM"},
                                      {SIGHUP, "HUP"},
-                                     {SIGUSR1, "USR1"},
                                      {SIGUSR2, "USR2"},
                                      {SIGXCPU, "XCPU"}})
     {

@@ -122,6 +122,7 @@ namespace
         VelocityVector rhs   = space.make_velocity();
         membrane.coupling->spread(space, load, rhs);
         fluid->advance(space, {time += 1e-3, 1e-3, rhs});
+        fluid->commit();
         space.old_dt = 1e-3;
       }
     state.counters["unknowns"] =

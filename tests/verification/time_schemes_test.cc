@@ -54,6 +54,7 @@ namespace
       space.old_velocity   = space.velocity;
       typename TimeIntegrator<dim>::System system{space, *fluid, structures, timers};
       const auto report = scheme->step(system, n * dt, dt);
+      system.fluid.commit();
       ++n;
       space.old_dt = dt;
       return report;

@@ -60,6 +60,7 @@ namespace
       for (unsigned int i = 0; i < n; ++i)
         {
           integrator->step(system, i * dt, dt);
+          system.fluid.commit();
           space->older_velocity = space->old_velocity;
           space->old_velocity   = space->velocity;
           space->old_dt         = dt;

@@ -736,7 +736,6 @@ namespace feib
       while (!control.finished())
         {
           const Clock::time_point step_start = Clock::now();
-          Request request                    = Request::none;
           agree(parts.space->communicator(), [&] {
             refine();
             advance();
@@ -744,12 +743,11 @@ namespace feib
             tell_spread_flux();
             record.step_seconds.add(seconds_since(step_start));
             write_outputs(options.directory, false);
-            if (options.requested)
-              request = options.requested();
-            if (request != Request::none || control.finished() ||
-                checkpoints.due(record.step, parts.space->communicator()))
-              write_checkpoint(options);
           });
+          const Request request = options.requested ? options.requested() : Request::none;
+          if (request != Request::none || control.finished() ||
+              checkpoints.due(record.step, parts.space->communicator()))
+            agree(parts.space->communicator(), [&] { write_checkpoint(options); });
           if (speaks && options.on_progress)
             options.on_progress({record.step,
                                  record.time,
@@ -844,8 +842,9 @@ namespace feib
               return resume(options);
             initialize();
             write_outputs(options.directory, true);
-            write_checkpoint(options);
           });
+          if (options.restart.empty())
+            agree(parts.space->communicator(), [&] { write_checkpoint(options); });
           loop(options);
           check_overlap(parts, record.time, verdict);
           write_summary(options.directory, end, "");

@@ -230,6 +230,7 @@ namespace
       {
         time += dt;
         iterations += solver->advance(space, {time, dt, load}).linear_iterations;
+        solver->commit();
         space.older_velocity = space.old_velocity;
         space.old_velocity   = space.velocity;
         space.old_dt         = dt;
@@ -295,6 +296,7 @@ namespace
     for (unsigned int step = 1; step <= 6; ++step)
       {
         warm = solver->advance(*space, {step * dt, dt, load}).linear_iterations;
+        solver->commit();
         if (step == 1)
           cold = warm;
         space->older_velocity = space->old_velocity;
@@ -441,6 +443,7 @@ TEST(Multigrid, FluidAtRestUnderItsWeight)
         {
           space->old_velocity = space->older_velocity = space->velocity;
           const auto report = solver->advance(*space, {.01 * step, .01, load});
+          solver->commit();
           EXPECT_LE(report.linear_iterations, 24u) << tolerance << ", step " << step;
         }
       EXPECT_LT(space->velocity.linfty_norm(), .1 * std::stod(tolerance));
@@ -461,6 +464,7 @@ TEST(Multigrid, SlowFlowBesideALargeForce)
   space->old_velocity = space->older_velocity = space->velocity;
   const VelocityVector load                   = space->make_velocity();
   solver->advance(*space, {1e-3, 1e-3, load});
+  solver->commit();
   EXPECT_GT(space->velocity.l2_norm(), 1e-6);
   FluidOperators<2> operators({1., 1., 0., false, ConvectiveForm::rotational});
   operators.reinit(*space);
@@ -603,6 +607,7 @@ TEST(Multigrid, AStalledSolveIsAnError)
   try
     {
       solver->advance(*space, {.1, .1, load});
+      solver->commit();
       FAIL() << "no error";
     }
   catch (const RunFailure &failure)

@@ -120,6 +120,7 @@ TEST(ForwardEulerBackwardEuler, RotationGrowsTheAreaByItsOwnFactor)
   for (unsigned int n = 1; n <= 20; ++n)
     {
       f.scheme->step(f.system, (n - 1) * dt, dt);
+      f.system.fluid.commit();
       EXPECT_NEAR(model.measure(model.positions) / initial,
                   std::pow(1 + omega * omega * dt * dt, n),
                   1e-12);
