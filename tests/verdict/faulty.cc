@@ -30,7 +30,7 @@ namespace
       throw Incurable("the table of stresses ends here");
     if (fault == "limits_files")
       {
-        const rlimit limit{8192, RLIM_INFINITY};
+        const rlimit limit{4096, RLIM_INFINITY};
         setrlimit(RLIMIT_FSIZE, &limit);
       }
     std::istringstream words(fault);

@@ -787,10 +787,10 @@ namespace feib
           }
       };
       if (accounts.ledger.n_rows() > 0)
-        attempt([&] {
-          write_checkpoint(options);
-          write_outputs(directory, true);
-        });
+        {
+          attempt([&] { write_checkpoint(options); });
+          attempt([&] { write_outputs(directory, true); });
+        }
       attempt([&] { write_summary(directory, how, message); });
       log::status("");
       log::error(message);
