@@ -504,7 +504,7 @@ namespace feib
                                    accounts.ledger.last("largest_velocity") *
                                    parts.space->smallest_edge() / parts.fluid->viscosity();
       // Where viscosity rules, what is rough decays, and what structures push is rough beside them.
-      constexpr double inertial = 30, rough = .4;
+      constexpr double inertial = 30, rough = .26;
       if (cell_reynolds < inertial)
         return;
       const double part = roughness(*parts.space);
