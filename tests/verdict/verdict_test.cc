@@ -228,6 +228,22 @@ TEST(Verdict, ALawWithNegativeEnergy)
   expect_doubt(run(disc, disc_with("{\"fault\": \"negative\"}") + "--set /time/end=4"));
 }
 
+// Each step gains less than the part of the energy that ends a run.
+TEST(Verdict, GrowthOfAStructureAddsUp)
+{
+  const auto grown = [](const std::string &step) {
+    return run(disc,
+               "--set '/domain/cells=[8,8]' --set '/time/integrator={\"fe_be\": {}}' --set "
+               "'/structures/0/hyperelastic/law={\"neo_hookean\": {\"shear_modulus\": 20}}' --set "
+               "'/structures/0/hyperelastic/mesh={\"disc\": {\"centre\": [0.6, 0.5], \"radius\": "
+               "0.2, \"rings\": 3}}' --set /output=[] --set /time/end=0.2 --set "
+               "/time/energy_growth=10 --set /time/step=" +
+                 step);
+  };
+  EXPECT_TRUE(grown("0.0088").warned("structure_growth"));
+  EXPECT_FALSE(grown("0.0001").warned("structure_growth"));
+}
+
 TEST(Verdict, WhatALawThrowsEndsTheRunOnAllRanks)
 {
   for (const std::string fault : {"throws_int", "throws_std", "throws_failure", "not_finite"})
