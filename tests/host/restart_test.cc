@@ -222,18 +222,21 @@ namespace
         std::vector<std::string> next = killed;
         for (bool end = false; !end;)
           {
+            const unsigned int reached =
+              fs::exists(folder / "killed") ? n_rows(folder / "killed") : 0;
             Process process(next);
-            if (k < n_kills)
+            if (k < n_kills && reached < rows)
               {
-                const unsigned int reached =
-                  fs::exists(folder / "killed") ? n_rows(folder / "killed") : 0;
-                process.wait_for_rows(folder / "killed",
-                                      std::uniform_int_distribution<unsigned int>(
-                                        std::min(2u + reached / 2, rows), rows)(random));
-                // Any moment of a step.
+                // At any moment of a start, or of a step further than before; the first checkpoint
+                // comes before the row of the first step.
+                const bool while_starting = reached >= 3 && random() % 5 == 0;
+                if (!while_starting)
+                  process.wait_for_rows(folder / "killed",
+                                        std::uniform_int_distribution<unsigned int>(
+                                          std::max(3u, reached + 1), rows)(random));
+                std::uniform_int_distribution<int> delay(0, while_starting ? 1000000 : 40000);
                 const auto moment =
-                  std::chrono::steady_clock::now() +
-                  std::chrono::microseconds(std::uniform_int_distribution<int>(0, 40000)(random));
+                  std::chrono::steady_clock::now() + std::chrono::microseconds(delay(random));
                 while (process.running() && std::chrono::steady_clock::now() < moment)
                   ;
                 process.signal(SIGKILL);
