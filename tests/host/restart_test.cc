@@ -402,6 +402,15 @@ namespace
     EXPECT_EQ(read_file(run + "/resolved.json"), before);
     EXPECT_EQ(read_file(run + "/ledger.csv"), ledger);
 
+    // A file that was changed is neither continued nor written anew.
+    std::ofstream(run + "/ledger.csv") << "step\n";
+    const RunResult cut = run_host("--restart " + run + " --set /time/end=0.2");
+    EXPECT_EQ(cut.exit_code, 1) << cut.output;
+    EXPECT_NE(cut.output.find("it is of another run, or has been changed"), std::string::npos)
+      << cut.output;
+    EXPECT_EQ(read_file(run + "/ledger.csv"), "step\n");
+    std::ofstream(run + "/ledger.csv") << ledger;
+
     // What may change.
     const RunResult changed =
       run_host("--restart " + run +

@@ -144,6 +144,7 @@ namespace feib
       double end_time = 0, energy_growth = 0, measure_tolerance = 0;
       double given_step = 0; // by the case
       bool flux_told    = false;
+      bool has_state    = false; // to write; a run that could not be taken up leaves all as it was
       std::unique_ptr<EnergyCheck<dim>> energy_check; // from the initial state on
       std::vector<double> initial_measures;           // of each structure
       double calm_limit         = 0;                  // of the step, when energy last did not grow
@@ -425,7 +426,8 @@ namespace feib
     {
       auto limit = parts.integrator->stability_limit(parts.system());
       // A state that has begun to go wrong has limits of its own.
-      limit.dt = std::max(limit.dt, calm_limit);
+      if (dt > calm_limit)
+        limit.dt = std::max(limit.dt, calm_limit);
       std::ostringstream text;
       text << std::setprecision(2) << "dt = " << dt;
       if (dt > limit.dt)
@@ -770,7 +772,7 @@ namespace feib
       const std::string &directory = options.directory;
       std::ostringstream text;
       text << why;
-      if (accounts.ledger.n_rows() > 0)
+      if (has_state)
         text << "; the last good state is step " << record.step << ", time " << record.time;
       else
         text << "; the run did not reach its initial state";
@@ -786,7 +788,7 @@ namespace feib
               message += std::string("; and ") + second.what();
           }
       };
-      if (accounts.ledger.n_rows() > 0)
+      if (has_state)
         {
           attempt([&] { write_checkpoint(options); });
           attempt([&] { write_outputs(directory, true); });
@@ -838,9 +840,13 @@ namespace feib
       try
         {
           agree(parts.space->communicator(), [&] {
+            if (options.restart.empty())
+              initialize();
+            else
+              resume(options);
+            has_state = true;
             if (!options.restart.empty())
-              return resume(options);
-            initialize();
+              return;
             write_outputs(options.directory, true);
           });
           if (options.restart.empty())
