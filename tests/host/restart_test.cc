@@ -51,7 +51,9 @@ namespace
     ASSERT_GT(right.at("step").size(), 2u);
     for (const auto &[name, column] : right)
       if (name.rfind("seconds_", 0) != 0)
-        EXPECT_EQ(found.at(name), column) << name << " in " << folder;
+        {
+          EXPECT_EQ(found.at(name), column) << name << " in " << folder;
+        }
   }
 
 
@@ -63,7 +65,9 @@ namespace
       {
         const std::string name = entry.path().filename();
         if (entry.path().extension() == ".pvd" || name.rfind("probe_", 0) == 0)
-          EXPECT_EQ(read_file(folder + "/" + name), read_file(entry.path())) << name;
+          {
+            EXPECT_EQ(read_file(folder + "/" + name), read_file(entry.path())) << name;
+          }
       }
   }
 
@@ -305,6 +309,47 @@ namespace
           expect_same_ledger(pieces, whole);
           expect_same_files(pieces, whole);
         }
+  }
+
+
+  /// A case of the tree, made small, with "ledger_csv" for output.
+  json
+  small_case(const std::string &name, const json &changes)
+  {
+    json document = json::parse(
+      read_file(std::string(FEIB_SOURCE) + "/cases/" + name + "/case.json"), nullptr, true, true);
+    document.erase("$schema");
+    document["output"] = json::parse(R"([{"ledger_csv":{}}])");
+    for (const auto &[pointer, value] : changes.items())
+      document[json::json_pointer(pointer)] = value;
+    return document;
+  }
+
+
+  /// Surfaces in three dimensions, levels that follow the structure or the flow, the classical
+  /// coupling and directions of fibres: what the disc has not.
+  TEST(Restart, EveryDimensionRefinementAndCouplingToTheBit)
+  {
+    const TemporaryFolder folder;
+    const json follow                    = {{"immersed_cells", {{"level", 1}, {"interval", 2}}}};
+    const std::pair<json, double> runs[] = {
+      {small_case("ellipsoid", {{"/domain/cells", {4, 4, 4}}, {"/refinement", follow}}), 8e-3},
+      {small_case("elliptic_membrane",
+                  {{"/domain/cells", {16, 16}},
+                   {"/structures/0/membrane/mesh/closed_curve/elements", 64},
+                   {"/refinement",
+                    {{"error_indicator", {{"maximum_level", 1}, {"interval", 2}}}}}}),
+       4e-3},
+      {small_case("fibre_ring",
+                  {{"/domain/cells", {8, 8}},
+                   {"/structures/0/hyperelastic/mesh/ring/cells", {32, 2}}}),
+       6e-3}};
+    for (const auto &[document, end] : runs)
+      {
+        SCOPED_TRACE(document["title"]);
+        const std::string whole = run_in_pieces(folder, document, {end}, {1});
+        expect_same_ledger(run_in_pieces(folder, document, {end / 2, end}, {1, 1}), whole);
+      }
   }
 
 
