@@ -193,9 +193,10 @@ namespace
     {
       if (std::string(GetParam()) == "disc")
         return {folder.write("disc.json", disc_case().dump())};
+      const char *const wanted = std::getenv("FEIB_KILL_END");
       return {std::string(FEIB_SOURCE) + "/cases/elliptic_shell/case.json",
               "--set",
-              "/time/end=0.03",
+              std::string("/time/end=") + (wanted != nullptr ? wanted : "0.03"),
               "--set",
               R"(/checkpoint={"interval":4})",
               "--set",
@@ -204,7 +205,8 @@ namespace
   };
 
 
-  /// FEIB_KILLS of them, at random moments of which the seed is printed.
+  /// FEIB_KILLS of them, at random moments of which the seed is printed; the shell to
+  /// FEIB_KILL_END.
   TEST_P(RestartAfterKill, NothingIsLostOrDoubled)
   {
     const char *const wanted       = std::getenv("FEIB_KILLS");
