@@ -5,6 +5,7 @@
 #include <feib/error.h>
 #include <feib/eulerian_space.h>
 #include <feib/immersed_structure.h>
+#include <feib/lattice.h>
 
 #include <algorithm>
 #include <array>
@@ -15,9 +16,9 @@
 
 namespace feib
 {
-  /// Integer coordinates of a cell among all cells of its level.
+  /// Where a cell is among all cells of its level: on the lattice whose units they are.
   template <int dim>
-  using Place = std::array<long, dim>;
+  using Place = typename Lattice<dim>::Place;
 
   /// A sorted set of places.
   template <int dim>
@@ -32,77 +33,14 @@ namespace feib
   }
 
 
-  /// The cells of one level of the forest, as a lattice of unit cubes.
+  /// Adds the place when it is in the box; a periodic direction wraps.
   template <int dim>
-  class Lattice
+  void
+  add_wrapped(const Lattice<dim> &lattice, Place<dim> place, Places<dim> &places)
   {
-  public:
-    Lattice(const Domain<dim> &domain, const unsigned int level)
-      : lower(domain.lower)
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          n[d]            = static_cast<long>(domain.cells[d]) << level;
-          inverse_size[d] = n[d] / (domain.upper[d] - domain.lower[d]);
-          periodic[d]     = domain.periodic(d);
-        }
-    }
-
-    /// A point in units of the lattice.
-    dealii::Tensor<1, dim>
-    scaled(const dealii::Point<dim> &x) const
-    {
-      dealii::Tensor<1, dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = (x[d] - lower[d]) * inverse_size[d];
-      return result;
-    }
-
-    Place<dim>
-    place(const dealii::Point<dim> &x) const
-    {
-      const dealii::Tensor<1, dim> y = scaled(x);
-      Place<dim> result;
-      for (unsigned int d = 0; d < dim; ++d)
-        result[d] = static_cast<long>(std::floor(y[d]));
-      return result;
-    }
-
-    /// Number of cells of the level.
-    std::uint64_t
-    n_cells() const
-    {
-      std::uint64_t result = 1;
-      for (const long count : n)
-        result *= count;
-      return result;
-    }
-
-    /// Adds the cells that the simplex of these (scaled) corners touches, by separating axes: a
-    /// cell is left out when there is a direction along which it and the simplex do not overlap.
-    void add_touched(const std::vector<dealii::Tensor<1, dim>> &corners, Places<dim> &places) const;
-
-    /// Adds @p layers of neighbours, across corners too.
-    void dilate(Places<dim> &places, const long layers) const;
-
-  private:
-    /// Adds the cell, when it exists; a periodic direction wraps.
-    void
-    add(Place<dim> place, Places<dim> &places) const
-    {
-      for (unsigned int d = 0; d < dim; ++d)
-        if (periodic[d])
-          place[d] = ((place[d] % n[d]) + n[d]) % n[d];
-        else if (place[d] < 0 || place[d] >= n[d])
-          return;
+    if (lattice.wrap(place))
       places.push_back(place);
-    }
-
-    dealii::Point<dim> lower;
-    dealii::Tensor<1, dim> inverse_size;
-    Place<dim> n;
-    std::array<bool, dim> periodic;
-  };
+  }
 
 
   /// The directions that can separate a simplex from a box, apart from the coordinate directions.
@@ -134,10 +72,13 @@ namespace feib
   }
 
 
+  /// Adds the units that the simplex of these (scaled) corners touches, by separating axes: a unit
+  /// is left out when there is a direction along which it and the simplex do not overlap.
   template <int dim>
   void
-  Lattice<dim>::add_touched(const std::vector<dealii::Tensor<1, dim>> &corners,
-                            Places<dim> &places) const
+  add_touched(const Lattice<dim> &lattice,
+              const std::vector<dealii::Tensor<1, dim>> &corners,
+              Places<dim> &places)
   {
     // What touches a cell counts, whatever round-off says: a structure on a grid line marks both
     // sides.
@@ -153,12 +94,12 @@ namespace feib
             min = std::min(min, corner[d]);
             max = std::max(max, corner[d]);
           }
-        first[d] = static_cast<long>(std::floor(min - tolerance));
-        last[d]  = static_cast<long>(std::floor(max + tolerance));
-        if (!periodic[d])
+        first[d] = std::int64_t(std::floor(min - tolerance));
+        last[d]  = std::int64_t(std::floor(max + tolerance));
+        if (!lattice.periodic(d))
           {
-            first[d] = std::max(first[d], 0L);
-            last[d]  = std::min(last[d], n[d] - 1);
+            first[d] = std::max<std::int64_t>(first[d], 0);
+            last[d]  = std::min(last[d], lattice.extent(d) - 1);
           }
         if (first[d] > last[d])
           return;
@@ -166,7 +107,7 @@ namespace feib
       }
     if (one_cell)
       {
-        add(first, places);
+        add_wrapped(lattice, first, places);
         return;
       }
 
@@ -203,7 +144,7 @@ namespace feib
               const double cube = origin * shadow.axis;
               return cube + shadow.cube_max < shadow.min || cube + shadow.cube_min > shadow.max;
             }))
-          add(place, places);
+          add_wrapped(lattice, place, places);
 
         unsigned int d = 0;
         while (d < dim && ++place[d] > last[d])
@@ -216,9 +157,10 @@ namespace feib
       }
   }
 
+  /// Adds @p layers of neighbours, across corners too.
   template <int dim>
   void
-  Lattice<dim>::dilate(Places<dim> &places, const long layers) const
+  dilate(const Lattice<dim> &lattice, Places<dim> &places, const long layers)
   {
     for (unsigned int d = 0; d < dim; ++d)
       {
@@ -228,7 +170,7 @@ namespace feib
           {
             place[d] -= layers;
             for (long k = -layers; k <= layers; ++k, ++place[d])
-              add(place, wider);
+              add_wrapped(lattice, place, wider);
           }
         make_set(wider);
         places.swap(wider);
@@ -255,7 +197,7 @@ namespace feib
                 if (!(corners[k].norm() < 1e9))
                   throw RunFailure("structure \"" + model.name() + "\" has left the box");
               }
-            lattice.add_touched(corners, places);
+            add_touched(lattice, corners, places);
           }
         make_set(places);
       }
@@ -323,7 +265,7 @@ namespace feib
     {
       if (l <= minimum_level)
         return;
-      for (long &coordinate : place)
+      for (std::int64_t &coordinate : place)
         coordinate /= 2;
       splits[l - 1].push_back(place);
     }
@@ -336,7 +278,7 @@ namespace feib
         {
           make_set(splits[l]);
           Places<dim> places = splits[l];
-          lattices[l].dilate(places, 1);
+          dilate(lattices[l], places, 1);
           for (const Place<dim> &place : places)
             ask_for(l, place);
         }
@@ -354,7 +296,7 @@ namespace feib
     std::uint64_t
     n_cells() const
     {
-      std::uint64_t n = lattices[minimum_level].n_cells();
+      std::uint64_t n = lattices[minimum_level].n_units();
       for (int l = minimum_level; l < level; ++l)
         n += ((1u << dim) - 1) * std::uint64_t(splits[l].size());
       return n;
@@ -385,7 +327,7 @@ namespace feib
     {
       return l < level &&
              (l < minimum_level ||
-              std::binary_search(splits[l].begin(), splits[l].end(), lattices[l].place(x)));
+              std::binary_search(splits[l].begin(), splits[l].end(), lattices[l].unit_around(x)));
     }
 
     int minimum_level, level;

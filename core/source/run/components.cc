@@ -6,6 +6,7 @@
 #include "law_check.h"
 
 #include <feib/expression.h>
+#include <feib/lattice.h>
 #include <feib/registry.h>
 
 #include <set>
@@ -27,6 +28,22 @@ namespace feib
       catch (const Error &error)
         {
           issues.insert(issues.end(), error.issues().begin(), error.issues().end());
+        }
+    }
+
+
+    /// Refuses cells too small to have places of their own.
+    template <int dim>
+    void
+    check_levels(const Domain<dim> &box, const unsigned int finest_level)
+    {
+      try
+        {
+          Lattice<dim>(box, finest_level + 1);
+        }
+      catch (const RunFailure &failure)
+        {
+          throw Error("/refinement", failure.what());
         }
     }
   } // namespace
@@ -186,6 +203,7 @@ namespace feib
     const std::size_t n_issues = issues.size();
     collect(issues, [&] {
       refinement->check(context);
+      check_levels(space->domain(), refinement->finest_level());
       check_size<dim>(refinement->forecast_cells(*space, structures),
                       "/refinement",
                       space->communicator());

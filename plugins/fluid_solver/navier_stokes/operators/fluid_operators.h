@@ -2,12 +2,9 @@
 #ifndef feib_plugins_navier_stokes_fluid_operators_h
 #define feib_plugins_navier_stokes_fluid_operators_h
 
-#include "cell_kernels.h"
-#include "cell_operators.h"
+#include "operators/convection.h"
 
 #include <feib/fluid_solver.h>
-
-#include <optional>
 
 namespace feib
 {
@@ -35,12 +32,25 @@ namespace feib
 
     explicit FluidOperators(const Terms &terms)
       : given_terms(terms)
+      , convection_terms(batches, operators, terms.rho, terms.convective_form)
     {}
+    FluidOperators(const FluidOperators &) = delete;
 
     const Terms &
     terms() const
     {
       return given_terms;
+    }
+
+    Convection<dim> &
+    convection()
+    {
+      return convection_terms;
+    }
+    const Convection<dim> &
+    convection() const
+    {
+      return convection_terms;
     }
 
     /// For the present mesh of the space.
@@ -61,27 +71,6 @@ namespace feib
     void add_gradient(const PressureVector &p, VelocityVector &r) const;
     void add_divergence(const VelocityVector &u, PressureVector &g) const;
 
-    /// Convection is by the velocity @p w from now on, until the mesh changes.
-    void set_convecting_velocity(const VelocityVector &w);
-
-    /// r += factor rho b(w; u, v) with
-    ///   skew_symmetric  b = 1/2 [(w . grad u, v) - (w . grad v, u)]
-    ///   rotational      b = (curl w x R u, R v)
-    /// and the traction of open boundaries (CellOperators::add_open_boundary). The power b(w; u, u)
-    /// is that of open boundaries alone, for any w.
-    void add_convection(double factor, const VelocityVector &u, VelocityVector &r) const;
-
-    /// r += factor times the derivative of convection of @p u in the convecting velocity (which u
-    /// was set as), along @p w: what Newton's method has beside add_convection().
-    void add_convection_by(double factor,
-                           const VelocityVector &w,
-                           const VelocityVector &u,
-                           VelocityVector &r) const;
-
-    /// p += factor rho/2 |u|^2 in the functions of the pressure: the rotational form's pressure is
-    /// the total one.
-    void add_dynamic_pressure(double factor, const VelocityVector &u, PressureVector &p) const;
-
     /// a(u, u) and rho (u, u), summed over all ranks. Collective.
     double dissipation(const VelocityVector &u) const;
     double square(const VelocityVector &u) const;
@@ -92,8 +81,7 @@ namespace feib
     /// Integrals over the fluid at the velocity of the space. Collective.
     typename FluidSolver<dim>::Balance balance(const Space &space) const;
 
-    /// The matrix of a cell for rate M + viscosity, of the derivative of
-    /// convection at the convecting velocity @p u, and of (div u, q); rows of n_u.
+    /// The matrices of a cell, rows of n_u: for rate M + viscosity, and of (div u, q).
     std::vector<double>
     velocity_matrix(const Space &space, const unsigned int cell, const double rate) const
     {
@@ -103,7 +91,6 @@ namespace feib
                                        given_terms.symmetric,
                                        given_terms.grad_div);
     }
-    std::vector<double> convection_matrix(unsigned int cell, const VelocityVector &u) const;
     const std::vector<double> &
     divergence_matrix(const Space &space, const unsigned int cell) const
     {
@@ -111,22 +98,9 @@ namespace feib
     }
 
   private:
-    using Values                        = Batch<double>::Values;
-    static constexpr unsigned int lanes = Batch<double>::lanes;
-
-    /// Cells of one size, with outflow over the same faces.
-    struct CellBatch
-    {
-      dealii::Tensor<1, dim> size;
-      unsigned int level, open_faces, filled;
-      unsigned int first_open;   // of at_nodes
-      unsigned int cells[lanes]; // the last lanes may repeat a cell
-      unsigned int velocities[n_u * lanes], pressures[n_p * lanes];
-    };
-
-    void gather(const VelocityVector &u, const CellBatch &batch, Values (&local)[n_u]) const;
-
-    void scatter_add(const Values (&local)[n_u], const CellBatch &batch, VelocityVector &r) const;
+    using Values                        = typename CellBatches<dim>::Values;
+    using CellBatch                     = typename CellBatches<dim>::CellBatch;
+    static constexpr unsigned int lanes = CellBatches<dim>::lanes;
 
     /// out = rate (rho u, v) + viscosity (0 or 1) a(u, v)
     void velocity_form(const CellBatch &batch,
@@ -137,29 +111,19 @@ namespace feib
 
     double quadratic_form(double rate, double viscosity, const VelocityVector &u) const;
 
-    static constexpr unsigned int most_stored = dim * n_points<dim>;
+    /// The integral of (div u)^2 over each cell.
+    Values divergence_square(const CellBatch &batch, const Values (&u)[n_u]) const;
 
-    /// out += convection of u on a cell's inside, by the velocity that is @p at_points as prepared;
-    void convect(const Values *at_points, const Values (&u)[n_u], Values (&out)[n_u]) const;
-
-    /// and through the open faces of a batch, by the velocity @p at_nodes, or with its change @p
-    /// by.
-    void convect_out(const CellBatch &batch,
-                     const Values *at_nodes,
-                     const Values *by,
-                     const Values (&u)[n_u],
-                     Values (&out)[n_u]) const;
+    void add_momentum(const Space &space,
+                      const CellBatch &batch,
+                      const Values (&u)[n_u],
+                      typename FluidSolver<dim>::Balance &balance) const;
 
     const Terms given_terms;
     const CellOperators<dim> operators;
-    std::vector<CellBatch> batches;
-    std::vector<unsigned int> place_of_cell;              // batch * lanes + lane
+    CellBatches<dim> batches;
+    Convection<dim> convection_terms;
     std::vector<std::vector<double>> divergence_matrices; // of each level
-
-    // Of the convecting velocity: at the points, and for batches with open faces at the nodes.
-    std::optional<ReconstructionAtPoints<dim>> reconstruction; // the same for all levels
-    std::vector<Values> at_points, at_nodes;
-
     MPI_Comm communicator = MPI_COMM_NULL;
   };
 } // namespace feib

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "direct_solver.h"
+#include "direct/direct_solver.h"
 
 #include <feib/error.h>
 
@@ -92,10 +92,8 @@ namespace feib
 
   template <int dim>
   void
-  DirectSolver<dim>::set_up_numbering(const EulerianSpace<dim> &space)
+  DirectSolver<dim>::number_unknowns(const EulerianSpace<dim> &space)
   {
-    numbering_revision = space.revision();
-
     const MPI_Comm communicator = space.communicator();
     const auto velocities =
       dealii::Utilities::MPI::all_gather(communicator,
@@ -111,9 +109,6 @@ namespace feib
         first_velocity[r + 1] = first_velocity[r] + velocities[r];
         first_pressure[r + 1] = first_pressure[r] + pressures[r];
       }
-    const auto number_of_pressure = [&](const dealii::types::global_dof_index i) {
-      return i + first_velocity[rank_of(first_pressure, i) + 1];
-    };
 
     const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
     const auto total        = first_velocity[n_ranks] + first_pressure[n_ranks];
@@ -133,7 +128,13 @@ namespace feib
           cell_indices.push_back(
             number_of_pressure(pressure_partitioner.local_to_global(space.pressure_dofs(c)[i])));
       }
+  }
 
+
+  template <int dim>
+  void
+  DirectSolver<dim>::make_constraints(const EulerianSpace<dim> &space)
+  {
     dealii::IndexSet relevant = owned;
     std::vector<dealii::types::global_dof_index> ghosts;
     const auto &velocity_lines = space.constraints().get_local_lines();
@@ -169,6 +170,14 @@ namespace feib
   DirectSolver<dim>::number_of_velocity(const dealii::types::global_dof_index i) const
   {
     return i + first_pressure[rank_of(first_velocity, i)];
+  }
+
+
+  template <int dim>
+  dealii::types::global_dof_index
+  DirectSolver<dim>::number_of_pressure(const dealii::types::global_dof_index i) const
+  {
+    return i + first_velocity[rank_of(first_pressure, i) + 1];
   }
 
 
@@ -227,32 +236,24 @@ namespace feib
 
   template <int dim>
   void
-  DirectSolver<dim>::factorize(const EulerianSpace<dim> &space,
-                               const CellMatrix &cell_matrix,
-                               const bool symmetric_cells,
-                               const std::vector<typename ImplicitLoad<dim>::Product> &products)
+  DirectSolver<dim>::assemble(const EulerianSpace<dim> &space,
+                              const CellMatrix &cell_matrix,
+                              dealii::PETScWrappers::MPI::SparseMatrix &matrix) const
   {
-    clear();
-    if (numbering_revision != space.revision())
-      set_up_numbering(space);
-
-    const MPI_Comm communicator = space.communicator();
     std::vector<dealii::types::global_dof_index> indices(n_local);
     const auto indices_of = [&](const unsigned int c) -> const auto &
     {
       std::copy_n(cell_indices.begin() + c * n_local, n_local, indices.begin());
       return indices;
     };
-
     dealii::DynamicSparsityPattern pattern(constraints.get_local_lines());
     for (unsigned int c = 0; c < space.cells().size(); ++c)
       constraints.add_entries_local_to_global(indices_of(c), pattern, false);
     dealii::SparsityTools::distribute_sparsity_pattern(pattern,
                                                        owned,
-                                                       communicator,
+                                                       space.communicator(),
                                                        constraints.get_local_lines());
-    dealii::PETScWrappers::MPI::SparseMatrix matrix;
-    matrix.reinit(owned, owned, pattern, communicator);
+    matrix.reinit(owned, owned, pattern, space.communicator());
 
     dealii::FullMatrix<double> local(n_local, n_local);
     for (unsigned int c = 0; c < space.cells().size(); ++c)
@@ -262,7 +263,25 @@ namespace feib
         constraints.distribute_local_to_global(local, indices_of(c), matrix);
       }
     matrix.compress(dealii::VectorOperation::add);
+  }
 
+
+  template <int dim>
+  void
+  DirectSolver<dim>::factorize(const EulerianSpace<dim> &space,
+                               const CellMatrix &cell_matrix,
+                               const bool symmetric_cells,
+                               const std::vector<typename ImplicitLoad<dim>::Product> &products)
+  {
+    clear();
+    if (numbering_revision != space.revision())
+      {
+        number_unknowns(space);
+        make_constraints(space);
+        numbering_revision = space.revision();
+      }
+    dealii::PETScWrappers::MPI::SparseMatrix matrix;
+    assemble(space, cell_matrix, matrix);
     Mat petsc_matrix = matrix.petsc_matrix();
     bool symmetric   = symmetric_cells;
     for (const auto &product : products)
@@ -272,8 +291,16 @@ namespace feib
       }
     check(MatSetOption(petsc_matrix, MAT_SYMMETRIC, symmetric ? PETSC_TRUE : PETSC_FALSE),
           "set-up");
-    check(KSPCreate(communicator, &solver), "set-up");
-    check(KSPSetOperators(solver, petsc_matrix, petsc_matrix), "set-up");
+    run_mumps(petsc_matrix, symmetric);
+  }
+
+
+  template <int dim>
+  void
+  DirectSolver<dim>::run_mumps(Mat matrix, const bool symmetric)
+  {
+    check(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), &solver), "set-up");
+    check(KSPSetOperators(solver, matrix, matrix), "set-up");
     check(KSPSetType(solver, KSPPREONLY), "set-up");
     PC preconditioner;
     check(KSPGetPC(solver, &preconditioner), "set-up");
@@ -292,7 +319,7 @@ namespace feib
       throw RunFailure("the factorisation of the fluid matrix failed: MUMPS reports INFOG(1) = " +
                        std::to_string(status) + ", INFOG(2) = " + std::to_string(detail) +
                        (status == -9 || status == -13 ? " (out of memory)" : ""));
-    check(MatCreateVecs(petsc_matrix, &solution, &right_hand_side), "set-up");
+    check(MatCreateVecs(matrix, &solution, &right_hand_side), "set-up");
   }
 
 

@@ -2,7 +2,7 @@
 #ifndef feib_plugins_navier_stokes_cell_operators_h
 #define feib_plugins_navier_stokes_cell_operators_h
 
-#include "convection_kernels.h"
+#include "operators/convection_kernels.h"
 
 #include <feib/reconstruction.h>
 

@@ -4,6 +4,8 @@
 
 #include <feib/implicit_load.h>
 
+#include <deal.II/lac/petsc_sparse_matrix.h>
+
 #include <petscksp.h>
 
 #include <functional>
@@ -43,15 +45,26 @@ namespace feib
   private:
     void clear();
 
-    void set_up_numbering(const EulerianSpace<dim> &space);
+    void number_unknowns(const EulerianSpace<dim> &space);
 
-    /// The number of a velocity unknown among all unknowns.
+    /// Those of the space, and the pressure held at zero.
+    void make_constraints(const EulerianSpace<dim> &space);
+
+    /// The number of a velocity or pressure unknown among all unknowns.
     dealii::types::global_dof_index number_of_velocity(dealii::types::global_dof_index i) const;
+    dealii::types::global_dof_index number_of_pressure(dealii::types::global_dof_index i) const;
+
+    void assemble(const EulerianSpace<dim> &space,
+                  const CellMatrix &cell_matrix,
+                  dealii::PETScWrappers::MPI::SparseMatrix &matrix) const;
 
     /// matrix += left^T middle right
     void add_product(Mat matrix,
                      const EulerianSpace<dim> &space,
                      const typename ImplicitLoad<dim>::Product &product) const;
+
+    /// Factorises an assembled matrix.
+    void run_mumps(Mat matrix, bool symmetric);
 
     // Numbers of all unknowns: of each rank first its velocities, then its pressures.
     unsigned int numbering_revision = 0;

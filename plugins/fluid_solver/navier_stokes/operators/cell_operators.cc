@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "cell_operators.h"
+#include "operators/cell_operators.h"
 
-#include "cell_kernels.h"
+#include "operators/cell_kernels.h"
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_dgp.h>

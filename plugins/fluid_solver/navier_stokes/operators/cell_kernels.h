@@ -328,6 +328,26 @@ namespace feib
         });
       }
   }
+
+
+  /// The matrix of the form on a cell of given size; it is symmetric.
+  template <int dim>
+  struct VelocityFormMatrix
+  {
+    static constexpr unsigned int n = dim == 2 ? 9 : 27, n_velocity = dim * n;
+
+    VelocityFormMatrix(const VelocityForm &form, const dealii::Tensor<1, dim> &size)
+    {
+      for (unsigned int j = 0; j < n_velocity; ++j)
+        {
+          double unit_vector[n_velocity] = {};
+          unit_vector[j]                 = 1;
+          apply_velocity_form<dim, double>(form, size, unit_vector, entry[j]);
+        }
+    }
+
+    double entry[n_velocity][n_velocity];
+  };
 } // namespace feib
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef feib_plugins_navier_stokes_convection_kernels_h
 #define feib_plugins_navier_stokes_convection_kernels_h
 
-#include "cell_kernels.h"
+#include "operators/cell_kernels.h"
 
 #include <feib/reconstruction.h>
 
