@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/time_integrator/structure_load.h>
+
+namespace feib
+{
+  template <int dim>
+  StructureLoad<dim>::StructureLoad(const System &system, const double tau, const bool elastic)
+    : Inertia(system.space, system.structures, tau)
+    , system(system)
+    , tau(tau)
+    , elastic(elastic)
+    , moved(system.structures.size())
+  {}
+
+
+  template <int dim>
+  bool
+  StructureLoad<dim>::empty() const
+  {
+    return (!elastic || system.structures.empty()) && Inertia::empty();
+  }
+
+
+  template <int dim>
+  void
+  StructureLoad<dim>::evaluate(const VelocityVector &u, VelocityVector &load)
+  {
+    NodalField<dim> U, force;
+    if (elastic)
+      for (unsigned int s = 0; s < moved.size(); ++s)
+        {
+          const ImmersedStructure<dim> &structure = system.structures[s];
+          structure.motion->interpolate(system.space, u, U);
+          moved[s] = structure.model->positions;
+          for (unsigned int i = 0; i < U.size(); ++i)
+            moved[s][i] += tau * U[i];
+          structure.model->load(moved[s], force);
+          structure.spreading().spread(system.space, force, load);
+        }
+    Inertia::evaluate(u, load);
+  }
+
+
+  template <int dim>
+  void
+  StructureLoad<dim>::apply(VelocityVector &dst, const VelocityVector &du) const
+  {
+    NodalField<dim> dU, force;
+    if (elastic)
+      for (unsigned int s = 0; s < moved.size(); ++s)
+        {
+          const ImmersedStructure<dim> &structure = system.structures[s];
+          structure.motion->interpolate(system.space, du, dU);
+          structure.model->load_derivative(moved[s], dU, force);
+          for (auto &value : force)
+            value *= -tau;
+          structure.spreading().spread(system.space, force, dst);
+        }
+    Inertia::apply(dst, du);
+  }
+
+
+  template <int dim>
+  bool
+  StructureLoad<dim>::linear() const
+  {
+    if (elastic)
+      for (const ImmersedStructure<dim> &structure : system.structures)
+        if (!structure.model->linear())
+          return false;
+    return true;
+  }
+
+
+  template <int dim>
+  std::vector<typename StructureLoad<dim>::Product>
+  StructureLoad<dim>::matrix() const
+  {
+    std::vector<Product> products = Inertia::matrix();
+    if (elastic)
+      for (unsigned int s = 0; s < moved.size(); ++s)
+        {
+          const ImmersedStructure<dim> &structure = system.structures[s];
+          const StructureModel<dim> &model        = *structure.model;
+          const std::uint64_t n_motion            = dim * structure.nodes.size();
+          Product product{n_motion,
+                          n_motion,
+                          {},
+                          model.tangent(moved[s]),
+                          structure.motion->entries(system.space),
+                          true};
+          for (MatrixEntry &entry : product.middle)
+            entry.value *= tau;
+          if (!model.conservative())
+            {
+              product.n_left    = dim * model.load_points().size();
+              product.left      = structure.spreading().entries(system.space);
+              product.symmetric = false;
+            }
+          products.push_back(std::move(product));
+        }
+    return products;
+  }
+
+
+  template class StructureLoad<2>;
+  template class StructureLoad<3>;
+} // namespace feib
