@@ -281,11 +281,13 @@ namespace feib
   double
   ElasticStructure<structure_dim, dim>::energy(const Positions<dim> &X) const
   {
-    const std::vector<double> W = local_energy_density(X);
-    double sum                  = 0;
-    for (unsigned int e = first; e < last; ++e)
-      sum += W[e - first] * reference_mesh.elements()[e].measure;
-    return dealii::Utilities::MPI::sum(sum, reference_mesh.communicator());
+    return last_energy.at(X, [&] {
+      const std::vector<double> W = local_energy_density(X);
+      double sum                  = 0;
+      for (unsigned int e = first; e < last; ++e)
+        sum += W[e - first] * reference_mesh.elements()[e].measure;
+      return dealii::Utilities::MPI::sum(sum, reference_mesh.communicator());
+    });
   }
 
 
@@ -335,11 +337,13 @@ namespace feib
   typename ElasticStructure<structure_dim, dim>::Stiffness
   ElasticStructure<structure_dim, dim>::stiffness(const Positions<dim> &X) const
   {
-    const std::vector<Matrix> F = deformation_gradients(X);
-    const Stiffness local       = largest_stiffness<structure_dim, dim>(F, tangent_columns(F));
-    const MPI_Comm communicator = reference_mesh.communicator();
-    return {dealii::Utilities::MPI::max(local.reference, communicator),
-            dealii::Utilities::MPI::max(local.spatial, communicator)};
+    return last_stiffness.at(X, [&]() -> Stiffness {
+      const std::vector<Matrix> F = deformation_gradients(X);
+      const Stiffness local       = largest_stiffness<structure_dim, dim>(F, tangent_columns(F));
+      const MPI_Comm communicator = reference_mesh.communicator();
+      return {dealii::Utilities::MPI::max(local.reference, communicator),
+              dealii::Utilities::MPI::max(local.spatial, communicator)};
+    });
   }
 
 

@@ -112,19 +112,21 @@ namespace feib
   {
     VelocityVector load = system.space.make_velocity();
     StructureLoad<dim> implicit_load(system, tau, choices.implicit_force);
-    NodalField<dim> force;
+    Solution solution{geometry,
+                      std::vector<NodalField<dim>>(geometry.size()),
+                      std::vector<NodalField<dim>>(geometry.size())};
     for (unsigned int s = 0; s < geometry.size(); ++s)
       {
         const ImmersedStructure<dim> &structure = system.structures[s];
         if (!choices.implicit_force)
           {
             const Timers::Section section(system.timers, "structure");
-            structure.model->load(geometry[s], force);
+            structure.model->load(geometry[s], solution.forces[s]);
           }
         const Timers::Section section(system.timers, "coupling");
         structure.set_geometry(system.space, geometry[s]);
         if (!choices.implicit_force)
-          structure.spreading().spread(system.space, force, load);
+          structure.spreading().spread(system.space, solution.forces[s], load);
       }
     {
       const Timers::Section section(system.timers, "fluid");
@@ -139,11 +141,14 @@ namespace feib
       report.numerical     = fluid.increment_energy;
     }
     const Timers::Section section(system.timers, "coupling");
-    Solution solution{geometry, std::vector<NodalField<dim>>(geometry.size())};
     for (unsigned int s = 0; s < geometry.size(); ++s)
-      system.structures[s].motion->interpolate(system.space,
-                                               system.space.velocity,
-                                               solution.velocities[s]);
+      {
+        system.structures[s].motion->interpolate(system.space,
+                                                 system.space.velocity,
+                                                 solution.velocities[s]);
+        if (choices.implicit_force)
+          solution.forces[s] = implicit_load.elastic_force(s, solution.velocities[s]);
+      }
     return solution;
   }
 
@@ -202,9 +207,9 @@ namespace feib
                                                  system.structures[s],
                                                  solution.geometry[s],
                                                  solution.velocities[s],
+                                                 solution.forces[s],
                                                  dt,
-                                                 choices.midpoint,
-                                                 choices.implicit_force)
+                                                 choices.midpoint)
                                 .take();
         report.numerical += exchange.numerical;
         report.unexplained += exchange.unexplained;

@@ -10,6 +10,7 @@ namespace feib
     , tau(tau)
     , elastic(elastic)
     , moved(system.structures.size())
+    , forces(system.structures.size())
   {}
 
 
@@ -25,17 +26,15 @@ namespace feib
   void
   StructureLoad<dim>::evaluate(const VelocityVector &u, VelocityVector &load)
   {
-    NodalField<dim> U, force;
+    NodalField<dim> U;
     if (elastic)
       for (unsigned int s = 0; s < moved.size(); ++s)
         {
           const ImmersedStructure<dim> &structure = system.structures[s];
           structure.motion->interpolate(system.space, u, U);
-          moved[s] = structure.model->positions;
-          for (unsigned int i = 0; i < U.size(); ++i)
-            moved[s][i] += tau * U[i];
-          structure.model->load(moved[s], force);
-          structure.spreading().spread(system.space, force, load);
+          moved[s] = moved_by(s, U);
+          structure.model->load(moved[s], forces[s]);
+          structure.spreading().spread(system.space, forces[s], load);
         }
     Inertia::evaluate(u, load);
   }
@@ -100,6 +99,30 @@ namespace feib
           products.push_back(std::move(product));
         }
     return products;
+  }
+
+
+  template <int dim>
+  Positions<dim>
+  StructureLoad<dim>::moved_by(const unsigned int s, const NodalField<dim> &U) const
+  {
+    Positions<dim> X = system.structures[s].model->positions;
+    for (unsigned int i = 0; i < U.size(); ++i)
+      X[i] += tau * U[i];
+    return X;
+  }
+
+
+  template <int dim>
+  NodalField<dim>
+  StructureLoad<dim>::elastic_force(const unsigned int s, const NodalField<dim> &U) const
+  {
+    const Positions<dim> X = moved_by(s, U);
+    if (X == moved[s])
+      return forces[s];
+    NodalField<dim> force;
+    system.structures[s].model->load(X, force);
+    return force;
   }
 
 

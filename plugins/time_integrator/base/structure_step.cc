@@ -23,18 +23,17 @@ namespace feib
                                     const ImmersedStructure<dim> &structure,
                                     const Positions<dim> &geometry,
                                     const NodalField<dim> &U,
+                                    const NodalField<dim> &force,
                                     const double dt,
-                                    const bool midpoint,
-                                    const bool implicit_force)
+                                    const bool midpoint)
     : space(space)
     , structure(structure)
     , model(*structure.model)
     , geometry(geometry)
     , U(U)
+    , force(force)
     , dt(dt)
     , midpoint(midpoint)
-    , implicit_force(implicit_force)
-    , tau(midpoint ? dt / 2 : dt)
   {}
 
 
@@ -72,8 +71,7 @@ namespace feib
   StructureStep<dim>::add_elastic()
   {
     const Positions<dim> old = model.positions;
-    NodalField<dim> force, velocity = U; // at the load points
-    model.load(implicit_force ? displaced(old, tau, U) : geometry, force);
+    NodalField<dim> velocity = U; // at the load points
     if (structure.loading)
       structure.loading->interpolate(space, space.velocity, velocity);
     const Positions<dim> points = model.load_points().positions(geometry);
@@ -82,17 +80,20 @@ namespace feib
 
     // The work along the way is found by two Gauss points, exact where the energy is a polynomial
     // of degree 4.
-    model.positions  = displaced(old, dt, U);
-    const double way = model.energy(old) - model.energy(model.positions);
-    double work      = way;
+    const double before     = model.energy(old);
+    model.positions         = displaced(old, dt, U);
+    exchange.elastic_energy = model.energy(model.positions);
+    const double way        = before - exchange.elastic_energy;
+    double work             = way;
     if (model.conservative())
       {
         work = 0;
+        NodalField<dim> load;
         for (const double theta : {.5 - std::sqrt(1. / 12), .5 + std::sqrt(1. / 12)})
           {
-            model.load(displaced(old, theta * dt, U), force);
-            for (unsigned int q = 0; q < force.size(); ++q)
-              work += dt / 2 * (force[q] * velocity[q]);
+            model.load(displaced(old, theta * dt, U), load);
+            for (unsigned int q = 0; q < load.size(); ++q)
+              work += dt / 2 * (load[q] * velocity[q]);
           }
       }
     exchange.numerical    = work - dt * exchange.power;
@@ -106,6 +107,7 @@ namespace feib
   StructureStep<dim>::add_inertial()
   {
     const std::vector<double> &mass = model.excess_mass();
+    const double tau                = midpoint ? dt / 2 : dt; // of the fluid's step
     for (unsigned int i = 0; i < U.size(); ++i)
       {
         const dealii::Tensor<1, dim> change = U[i] - model.velocities[i];

@@ -13,16 +13,15 @@ namespace feib
   public:
     using Exchange = typename TimeIntegrator<dim>::Exchange;
 
-    /// @p geometry: where J is. @p U: velocities of the nodes, J u_s. @p tau: of the fluid's step
-    /// to u_s, dt, or dt/2 of a @p midpoint scheme. @p implicit_force: whether the elastic force
-    /// acts at X^n + tau U, not at the geometry. Arguments must outlive the object.
+    /// @p geometry: where J is. @p U: velocities of the nodes, J u_s. @p force: the elastic force
+    /// that acts at the load points. Arguments must outlive the object.
     StructureStep(const EulerianSpace<dim> &space,
                   const ImmersedStructure<dim> &structure,
                   const Positions<dim> &geometry,
                   const NodalField<dim> &U,
+                  const NodalField<dim> &force,
                   double dt,
-                  bool midpoint,
-                  bool implicit_force);
+                  bool midpoint);
 
     /// Moves the structure by dt U. Collective.
     Exchange take();
@@ -47,10 +46,9 @@ namespace feib
     const ImmersedStructure<dim> &structure;
     StructureModel<dim> &model;
     const Positions<dim> &geometry;
-    const NodalField<dim> &U;
+    const NodalField<dim> &U, &force;
     const double dt;
-    const bool midpoint, implicit_force;
-    const double tau;
+    const bool midpoint;
     Exchange exchange;
   };
 } // namespace feib

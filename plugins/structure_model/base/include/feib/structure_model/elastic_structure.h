@@ -107,6 +107,32 @@ namespace feib
     std::unique_ptr<Law> law;
     FaceLoads<structure_dim, dim> faces;
     std::vector<double> node_masses; // lumped excess mass; empty: none
+
+    /// A function of positions that is not computed twice for the same ones: schemes, accounts and
+    /// step control ask for the same energies and stiffnesses.
+    template <typename Value>
+    class Remembered
+    {
+    public:
+      template <typename Function>
+      const Value &
+      at(const Positions<dim> &X, const Function &function)
+      {
+        if (positions != X)
+          {
+            value     = function();
+            positions = X;
+          }
+        return value;
+      }
+
+    private:
+      Positions<dim> positions;
+      Value value;
+    };
+
+    mutable Remembered<double> last_energy;
+    mutable Remembered<Stiffness> last_stiffness;
   };
 } // namespace feib
 

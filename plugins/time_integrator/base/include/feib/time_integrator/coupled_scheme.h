@@ -61,6 +61,7 @@ namespace feib
     {
       Configuration geometry;
       std::vector<NodalField<dim>> velocities; // of their nodes, J u_s
+      std::vector<NodalField<dim>> forces;     // elastic, that acted at their load points
     };
 
     /// X^n + dt/2 J(X^n) u^n, or X^n.

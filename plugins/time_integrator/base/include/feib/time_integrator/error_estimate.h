@@ -4,6 +4,7 @@
 
 #include <feib/archive.h>
 #include <feib/eulerian_space.h>
+#include <feib/lagrangian_mesh.h>
 
 #include <deque>
 #include <vector>

@@ -32,13 +32,20 @@ namespace feib
 
     std::vector<Product> matrix() const override;
 
+    /// F of structure @p s for the velocities @p U of its nodes: what a fluid solver has evaluated
+    /// last is not computed again.
+    NodalField<dim> elastic_force(unsigned int s, const NodalField<dim> &U) const;
+
   private:
     using Inertia = InertialLoad<dim>;
 
     const System &system;
     const double tau;
     const bool elastic;
-    std::vector<Positions<dim>> moved; // where F was evaluated last
+    Positions<dim> moved_by(unsigned int s, const NodalField<dim> &U) const;
+
+    std::vector<Positions<dim>> moved;   // where F was evaluated last
+    std::vector<NodalField<dim>> forces; // F there
   };
 } // namespace feib
 
