@@ -44,7 +44,8 @@ namespace feib
     /// For tests and tools. Throws Error with all issues.
     template <class Interface>
     std::unique_ptr<Interface> create(const std::string &name,
-                                      const std::string &json = "{}") const;
+                                      const std::string &json = "{}",
+                                      MPI_Comm communicator   = MPI_COMM_WORLD) const;
 
     /// The component called @p name, or "kind/name" where several kinds have one of that name.
     /// Throws Error, with the nearest name and the list, when there is no such component or not
@@ -76,8 +77,10 @@ namespace feib
                  const std::string &name,
                  const Parameters &parameters) const;
 
-    Parameters
-    parse(const std::string &kind, const std::string &name, const std::string &json) const;
+    Parameters parse(const std::string &kind,
+                     const std::string &name,
+                     const std::string &json,
+                     MPI_Comm communicator) const;
 
     struct Implementation;
     std::unique_ptr<Implementation> implementation;
@@ -158,9 +161,11 @@ namespace feib
 
   template <class Interface>
   std::unique_ptr<Interface>
-  Registry::create(const std::string &name, const std::string &json) const
+  Registry::create(const std::string &name,
+                   const std::string &json,
+                   const MPI_Comm communicator) const
   {
-    return create<Interface>(name, parse(Interface::kind, name, json));
+    return create<Interface>(name, parse(Interface::kind, name, json, communicator));
   }
 
   template <class Interface>

@@ -146,7 +146,10 @@ namespace feib
 
 
   Parameters
-  Registry::parse(const std::string &kind, const std::string &name, const std::string &json) const
+  Registry::parse(const std::string &kind,
+                  const std::string &name,
+                  const std::string &json,
+                  const MPI_Comm communicator) const
   {
     const Schema schema = Schema::expand(implementation->find(kind, name, "").entry.schema, this);
     std::string filled  = json;
@@ -159,7 +162,7 @@ namespace feib
     if (!issues.empty())
       throw Error(issues);
     const auto document = std::make_shared<Document>(
-      Document{Json::parse(filled), this, mathematical_constants(), "."});
+      Document{Json::parse(filled), this, mathematical_constants(), ".", communicator});
     return Parameters(
       std::make_shared<Parameters::Node>(Parameters::Node{document, &document->root, ""}));
   }

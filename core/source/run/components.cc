@@ -58,8 +58,8 @@ namespace feib
       double n_cells = 1;
       for (const unsigned int n : domain.cells)
         n_cells *= n;
-      check_size<dim>(n_cells, domain.pointer + "/cells", MPI_COMM_WORLD);
-      space = std::make_unique<EulerianSpace<dim>>(std::move(domain));
+      check_size<dim>(n_cells, domain.pointer + "/cells", parameters.communicator());
+      space = std::make_unique<EulerianSpace<dim>>(std::move(domain), parameters.communicator());
     });
     collect(issues, [&] { fluid = parameters.child("fluid").template create<FluidSolver<dim>>(); });
     build_structures(parameters, issues);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../output_test.h"
+#include "../base/output_test.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
+#include <feib/refinement_strategy/cell_tree.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_interface_values.h>
@@ -9,7 +10,6 @@
 #include <limits>
 #include <optional>
 
-#include "../cell_tree.h"
 #include "error_indicator_schema.h"
 
 namespace

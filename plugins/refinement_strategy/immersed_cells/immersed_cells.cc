@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
+#include <feib/refinement_strategy/cell_tree.h>
 
-#include "../cell_tree.h"
 #include "immersed_cells_schema.h"
 
 namespace

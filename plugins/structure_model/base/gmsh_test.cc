@@ -614,6 +614,18 @@ TEST(Gmsh, RankZeroReadsForAll)
   EXPECT_TRUE(contains(error_of<2>(body, mesh(!first), neo_hookean), ": there is no such file"));
 }
 
+TEST(Gmsh, RanksMayReadForThemselves)
+{
+  const unsigned int n = 2 + dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+  const TemporaryFile file(square(n).format_2());
+  const auto model =
+    registry().create<StructureModel<2>>(body,
+                                         R"({"name": "body", "mesh": )" + gmsh(file) +
+                                           R"(, "law": )" + neo_hookean + "}",
+                                         MPI_COMM_SELF);
+  EXPECT_EQ(model->mesh().n_elements(), 2 * n * n);
+}
+
 // --- elements that overlap
 
 TEST(Gmsh, TwoElementsOnOneSideOfAFaceAreRefused)

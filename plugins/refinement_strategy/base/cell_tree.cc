@@ -1,79 +1,53 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#ifndef feib_plugins_refinement_strategy_cell_tree_h
-#define feib_plugins_refinement_strategy_cell_tree_h
-
 #include <feib/error.h>
-#include <feib/eulerian_space.h>
-#include <feib/immersed_structure.h>
-#include <feib/lattice.h>
+#include <feib/refinement_strategy/cell_tree.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <string>
-#include <vector>
 
 namespace feib
 {
-  /// Where a cell is among all cells of its level: on the lattice whose units they are.
-  template <int dim>
-  using Place = typename Lattice<dim>::Place;
-
-  /// A sorted set of places.
-  template <int dim>
-  using Places = std::vector<Place<dim>>;
-
-  template <typename T>
-  void
-  make_set(std::vector<T> &places)
+  namespace
   {
-    std::sort(places.begin(), places.end());
-    places.erase(std::unique(places.begin(), places.end()), places.end());
-  }
+    /// Adds the place when it is in the box; a periodic direction wraps.
+    template <int dim>
+    void
+    add_wrapped(const Lattice<dim> &lattice, Place<dim> place, Places<dim> &places)
+    {
+      if (lattice.wrap(place))
+        places.push_back(place);
+    }
 
 
-  /// Adds the place when it is in the box; a periodic direction wraps.
-  template <int dim>
-  void
-  add_wrapped(const Lattice<dim> &lattice, Place<dim> place, Places<dim> &places)
-  {
-    if (lattice.wrap(place))
-      places.push_back(place);
-  }
+    /// The directions that can separate a simplex from a box, apart from the coordinate directions.
+    std::vector<dealii::Tensor<1, 2>>
+    separating_axes(const std::vector<dealii::Tensor<1, 2>> &corners)
+    {
+      std::vector<dealii::Tensor<1, 2>> axes;
+      for (unsigned int i = 0; i < corners.size(); ++i)
+        for (unsigned int j = 0; j < i; ++j)
+          axes.push_back(dealii::cross_product_2d(corners[i] - corners[j]));
+      return axes;
+    }
+
+    std::vector<dealii::Tensor<1, 3>>
+    separating_axes(const std::vector<dealii::Tensor<1, 3>> &corners)
+    {
+      std::vector<dealii::Tensor<1, 3>> edges, axes;
+      for (unsigned int i = 0; i < corners.size(); ++i)
+        for (unsigned int j = 0; j < i; ++j)
+          edges.push_back(corners[i] - corners[j]);
+      for (unsigned int e = 0; e < edges.size(); ++e)
+        {
+          for (unsigned int f = 0; f < e; ++f)
+            axes.push_back(dealii::cross_product_3d(edges[e], edges[f]));
+          for (unsigned int d = 0; d < 3; ++d)
+            axes.push_back(dealii::cross_product_3d(edges[e], dealii::Point<3>::unit_vector(d)));
+        }
+      return axes;
+    }
+  } // namespace
 
 
-  /// The directions that can separate a simplex from a box, apart from the coordinate directions.
-  inline std::vector<dealii::Tensor<1, 2>>
-  separating_axes(const std::vector<dealii::Tensor<1, 2>> &corners)
-  {
-    std::vector<dealii::Tensor<1, 2>> axes;
-    for (unsigned int i = 0; i < corners.size(); ++i)
-      for (unsigned int j = 0; j < i; ++j)
-        axes.push_back(dealii::cross_product_2d(corners[i] - corners[j]));
-    return axes;
-  }
-
-  inline std::vector<dealii::Tensor<1, 3>>
-  separating_axes(const std::vector<dealii::Tensor<1, 3>> &corners)
-  {
-    std::vector<dealii::Tensor<1, 3>> edges, axes;
-    for (unsigned int i = 0; i < corners.size(); ++i)
-      for (unsigned int j = 0; j < i; ++j)
-        edges.push_back(corners[i] - corners[j]);
-    for (unsigned int e = 0; e < edges.size(); ++e)
-      {
-        for (unsigned int f = 0; f < e; ++f)
-          axes.push_back(dealii::cross_product_3d(edges[e], edges[f]));
-        for (unsigned int d = 0; d < 3; ++d)
-          axes.push_back(dealii::cross_product_3d(edges[e], dealii::Point<3>::unit_vector(d)));
-      }
-    return axes;
-  }
-
-
-  /// Adds the units that the simplex of these (scaled) corners touches, by separating axes: a unit
-  /// is left out when there is a direction along which it and the simplex do not overlap.
   template <int dim>
   void
   add_touched(const Lattice<dim> &lattice,
@@ -157,7 +131,7 @@ namespace feib
       }
   }
 
-  /// Adds @p layers of neighbours, across corners too.
+
   template <int dim>
   void
   dilate(const Lattice<dim> &lattice, Places<dim> &places, const long layers)
@@ -178,7 +152,6 @@ namespace feib
   }
 
 
-  /// The cells of one level that elements of the structures touch. Throws RunFailure.
   template <int dim>
   Places<dim>
   touched_cells(const Lattice<dim> &lattice, const std::vector<ImmersedStructure<dim>> &structures)
@@ -205,7 +178,6 @@ namespace feib
   }
 
 
-  /// A number of cells that elements of the structures touch at least, from their measure.
   template <int dim>
   double
   least_touched_cells(const Lattice<dim> &lattice,
@@ -237,103 +209,104 @@ namespace feib
   }
 
 
-  /// The mesh that a strategy asks for, as the cells that are split: the same on all ranks, and
-  /// balanced by itself, so that the mesh that is asked for is the mesh that comes out.
   template <int dim>
-  class CellTree
+  CellTree<dim>::CellTree(const Domain<dim> &domain, const int minimum_level, const int level)
+    : minimum_level(minimum_level)
+    , level(level)
+    , splits(level)
   {
-  public:
-    /// All cells coarser than @p minimum_level are split, and none of @p level.
-    CellTree(const Domain<dim> &domain, const int minimum_level, const int level)
-      : minimum_level(minimum_level)
-      , level(level)
-      , splits(level)
-    {
-      for (int l = 0; l <= level; ++l)
-        lattices.emplace_back(domain, l);
-    }
+    for (int l = 0; l <= level; ++l)
+      lattices.emplace_back(domain, l);
+  }
 
-    const Lattice<dim> &
-    lattice(const int l) const
-    {
-      return lattices[l];
-    }
 
-    /// Asks for the cell of level @p l at @p place to exist: its parent is split.
-    void
-    ask_for(const int l, Place<dim> place)
-    {
-      if (l <= minimum_level)
-        return;
-      for (std::int64_t &coordinate : place)
-        coordinate /= 2;
-      splits[l - 1].push_back(place);
-    }
+  template <int dim>
+  void
+  CellTree<dim>::ask_for(const int l, Place<dim> place)
+  {
+    if (l <= minimum_level)
+      return;
+    for (std::int64_t &coordinate : place)
+      coordinate /= 2;
+    splits[l - 1].push_back(place);
+  }
 
-    /// Splits what else has to be: the neighbours of a cell that is split must exist.
-    void
-    balance()
-    {
-      for (int l = level - 1; l >= minimum_level; --l)
+
+  template <int dim>
+  void
+  CellTree<dim>::balance()
+  {
+    for (int l = level - 1; l >= minimum_level; --l)
+      {
+        make_set(splits[l]);
+        Places<dim> places = splits[l];
+        dilate(lattices[l], places, 1);
+        for (const Place<dim> &place : places)
+          ask_for(l, place);
+      }
+  }
+
+
+  template <int dim>
+  bool
+  CellTree<dim>::too_large(const double n_cells)
+  {
+    return n_cells > 3e6;
+  }
+
+
+  template <int dim>
+  std::uint64_t
+  CellTree<dim>::n_cells() const
+  {
+    std::uint64_t n = lattices[minimum_level].n_units();
+    for (int l = minimum_level; l < level; ++l)
+      n += ((1u << dim) - 1) * std::uint64_t(splits[l].size());
+    return n;
+  }
+
+
+  template <int dim>
+  void
+  CellTree<dim>::mark(dealii::parallel::distributed::Triangulation<dim> &triangulation,
+                      const EulerianSpace<dim> &space) const
+  {
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->is_locally_owned())
         {
-          make_set(splits[l]);
-          Places<dim> places = splits[l];
-          dilate(lattices[l], places, 1);
-          for (const Place<dim> &place : places)
-            ask_for(l, place);
+          const int l = space.level(*cell);
+          if (l > level)
+            cell->set_coarsen_flag();
+          else if (is_split(l, cell->center()))
+            cell->set_refine_flag();
+          else if (l > 0 && !is_split(l - 1, cell->center()))
+            cell->set_coarsen_flag();
         }
-    }
+  }
 
-    /// Whether the places of so many cells are too many to hold, so that an estimate of their
-    /// number must do.
-    static bool
-    too_large(const double n_cells)
-    {
-      return n_cells > 3e6;
-    }
 
-    /// Number of active cells of the mesh.
-    std::uint64_t
-    n_cells() const
-    {
-      std::uint64_t n = lattices[minimum_level].n_units();
-      for (int l = minimum_level; l < level; ++l)
-        n += ((1u << dim) - 1) * std::uint64_t(splits[l].size());
-      return n;
-    }
+  template <int dim>
+  bool
+  CellTree<dim>::is_split(const int l, const dealii::Point<dim> &x) const
+  {
+    return l < level &&
+           (l < minimum_level ||
+            std::binary_search(splits[l].begin(), splits[l].end(), lattices[l].unit_around(x)));
+  }
 
-    /// Sets the flags of the locally owned cells that lead towards this mesh, level by level.
-    void
-    mark(dealii::parallel::distributed::Triangulation<dim> &triangulation,
-         const EulerianSpace<dim> &space) const
-    {
-      for (const auto &cell : triangulation.active_cell_iterators())
-        if (cell->is_locally_owned())
-          {
-            const int l = space.level(*cell);
-            if (l > level)
-              cell->set_coarsen_flag();
-            else if (is_split(l, cell->center()))
-              cell->set_refine_flag();
-            else if (l > 0 && !is_split(l - 1, cell->center()))
-              cell->set_coarsen_flag();
-          }
-    }
 
-  private:
-    /// Whether the cell of level @p l around @p x is split.
-    bool
-    is_split(const int l, const dealii::Point<dim> &x) const
-    {
-      return l < level &&
-             (l < minimum_level ||
-              std::binary_search(splits[l].begin(), splits[l].end(), lattices[l].unit_around(x)));
-    }
-
-    int minimum_level, level;
-    std::vector<Lattice<dim>> lattices;
-    std::vector<Places<dim>> splits;
-  };
+  template void
+  add_touched(const Lattice<2> &, const std::vector<dealii::Tensor<1, 2>> &, Places<2> &);
+  template void dilate(const Lattice<2> &, Places<2> &, long);
+  template Places<2> touched_cells(const Lattice<2> &, const std::vector<ImmersedStructure<2>> &);
+  template double least_touched_cells(const Lattice<2> &,
+                                      const std::vector<ImmersedStructure<2>> &);
+  template class CellTree<2>;
+  template void
+  add_touched(const Lattice<3> &, const std::vector<dealii::Tensor<1, 3>> &, Places<3> &);
+  template void dilate(const Lattice<3> &, Places<3> &, long);
+  template Places<3> touched_cells(const Lattice<3> &, const std::vector<ImmersedStructure<3>> &);
+  template double least_touched_cells(const Lattice<3> &,
+                                      const std::vector<ImmersedStructure<3>> &);
+  template class CellTree<3>;
 } // namespace feib
-
-#endif

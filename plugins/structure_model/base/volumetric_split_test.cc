@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "volumetric_split.h"
-
+#include <feib/structure_model/volumetric_split.h>
 #include <feib/testing/constitutive_law_kit.h>
 
 namespace feib::testing
