@@ -97,6 +97,17 @@ namespace feib
   }
 
 
+  bool
+  Registry::offers(const std::string &kind,
+                   const std::string &signature,
+                   const std::string &name) const
+  {
+    for (const Entry &entry : entries())
+      if (entry.kind == kind && entry.name == name)
+        return implementation->find(kind, name, "").factories.count(signature) > 0;
+    return false;
+  }
+
   void *
   Registry::create(const std::string &kind,
                    const std::string &signature,
