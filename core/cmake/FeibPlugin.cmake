@@ -36,7 +36,8 @@ function(feib_add_base interface)
   set(name feib_${interface}_base)
   add_library(${name} STATIC ${arg_SOURCES})
   add_library(Feib::${interface}_base ALIAS ${name})
-  set_target_properties(${name} PROPERTIES EXPORT_NAME ${interface}_base)
+  set_target_properties(${name} PROPERTIES
+    EXPORT_NAME ${interface}_base POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${name} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(${name} PUBLIC Feib::core ${arg_LIBRARIES})

@@ -177,7 +177,9 @@ namespace feib
           continue;
         const double leak = report.exchanges[s].leak;
         totals.leak[s] += leak;
-        totals.time_error[s] += model.measure(model.positions) - model.measure(before[s]) - leak;
+        // That of now comes last, as the row has it again.
+        const double measure_before = model.measure(before[s]);
+        totals.time_error[s] += model.measure(model.positions) - measure_before - leak;
       }
 
     Ledger::Row row;

@@ -348,10 +348,18 @@ namespace feib
 
 
   template <int structure_dim, int dim>
+  const std::pair<double, dealii::Tensor<1, dim>> &
+  ElasticStructure<structure_dim, dim>::measure_moments(const Positions<dim> &X) const
+  {
+    return last_moments.at(X, [&] { return moments<structure_dim>(reference_mesh, X); });
+  }
+
+
+  template <int structure_dim, int dim>
   double
   ElasticStructure<structure_dim, dim>::measure(const Positions<dim> &X) const
   {
-    return std::abs(moments<structure_dim>(reference_mesh, X).first);
+    return std::abs(measure_moments(X).first);
   }
 
 
@@ -359,7 +367,7 @@ namespace feib
   dealii::Point<dim>
   ElasticStructure<structure_dim, dim>::centroid(const Positions<dim> &X) const
   {
-    const auto [size, moment] = moments<structure_dim>(reference_mesh, X);
+    const auto [size, moment] = measure_moments(X);
     return X[0] + moment / size;
   }
 

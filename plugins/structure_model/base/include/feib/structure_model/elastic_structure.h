@@ -100,6 +100,9 @@ namespace feib
     typename FaceLoads<structure_dim, dim>::Columns
     tangent_columns(const std::vector<Matrix> &F) const;
 
+    /// The measure with its sign, and its first moment about X[0].
+    const std::pair<double, dealii::Tensor<1, dim>> &measure_moments(const Positions<dim> &X) const;
+
     std::string structure_name;
     Mesh reference_mesh;
     unsigned int first, last; // the elements of this rank
@@ -109,7 +112,7 @@ namespace feib
     std::vector<double> node_masses; // lumped excess mass; empty: none
 
     /// A function of positions that is not computed twice for the same ones: schemes, accounts and
-    /// step control ask for the same energies and stiffnesses.
+    /// step control ask for the same energies, stiffnesses and measures.
     template <typename Value>
     class Remembered
     {
@@ -133,6 +136,7 @@ namespace feib
 
     mutable Remembered<double> last_energy;
     mutable Remembered<Stiffness> last_stiffness;
+    mutable Remembered<std::pair<double, dealii::Tensor<1, dim>>> last_moments;
   };
 } // namespace feib
 
