@@ -329,7 +329,8 @@ namespace
 
 
   /// Surfaces in three dimensions, levels that follow the structure or the flow, the classical
-  /// coupling and directions of fibres: what the disc has not.
+  /// coupling, directions of fibres and forces that are tested with reconstructed velocities: what
+  /// the disc has not.
   TEST(Restart, EveryDimensionRefinementAndCouplingToTheBit)
   {
     const TemporaryFolder folder;
@@ -345,7 +346,13 @@ namespace
       {small_case("fibre_ring",
                   {{"/domain/cells", {8, 8}},
                    {"/structures/0/hyperelastic/mesh/ring/cells", {32, 2}}}),
-       6e-3}};
+       6e-3},
+      {small_case("elliptic_membrane",
+                  {{"/domain/cells", {8, 8}},
+                   {"/structures/0/membrane/mesh/closed_curve/elements", 32},
+                   {"/fluid/navier_stokes/body_force", {"20*sin(6*x)", "cos(9*x)*t"}},
+                   {"/fluid/navier_stokes/reconstruction", "body_force"}}),
+       2e-3}};
     for (const auto &[document, end] : runs)
       {
         SCOPED_TRACE(document["title"]);
