@@ -93,9 +93,10 @@ namespace
           SCOPED_TRACE(std::to_string(m) + " in " + std::to_string(dim) + form);
           const auto law = registry().create<ConstitutiveLaw<m, dim>>(
             "neo_hookean", R"({"shear_modulus": "2 + s1")" + form + "}");
-          testing::NeoHookeanTwin<m, dim> twin(mu,
-                                               form.find("stress_free") != std::string::npos,
-                                               form.find("incompressible") != std::string::npos);
+          feib::testing::NeoHookeanTwin<m, dim> twin(mu,
+                                                     form.find("stress_free") != std::string::npos,
+                                                     form.find("incompressible") !=
+                                                       std::string::npos);
           sample.expect_the_same(*law, twin);
         }
   }
@@ -118,7 +119,7 @@ namespace
   registry_with_twin()
   {
     Registry result;
-    result.add<ConstitutiveLaw, testing::MooneyRivlinTwin>(
+    result.add<ConstitutiveLaw, feib::testing::MooneyRivlinTwin>(
       "twin", registry().find("constitutive_law/mooney_rivlin_fibres").schema);
     return result;
   }
