@@ -3,14 +3,10 @@
 
 FEIB_TEST_FLUID_SOLVER("navier_stokes");
 
-namespace
-{
-  using namespace feib::testing;
-} // namespace
-
 /// Beside the examples of the schema.
 TEST(NavierStokesKit, AllOptionsKeepTheRequirements)
 {
+  using namespace feib::testing;
   const std::string fluid = "{\"density\": 1.3, \"viscosity\": 0.05";
   for (const std::string options :
        {", \"convection\": \"none\", \"linear_solver\": \"direct\"}",
