@@ -12,8 +12,9 @@ as_root() {
   if ((EUID == 0)); then "$@"; else sudo "$@"; fi
 }
 
+release=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
 missing=()
-for package in $(sed 's/#.*//' "$root/tools/debian-packages"); do
+for package in $(sed "s/#.*//; s/ *\[$release\]//; /\[/d" "$root/tools/debian-packages"); do
   status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
   [[ $status == installed ]] || missing+=("$package")
 done

@@ -48,7 +48,7 @@ namespace feib
   } // namespace
 
 
-  CommandLine::CommandLine(const int argc, const char *const *argv)
+  StudyCommandLine::StudyCommandLine(const int argc, const char *const *argv)
   {
     po::variables_map values;
     try
@@ -104,7 +104,7 @@ namespace feib
 
 
   std::string
-  CommandLine::help()
+  StudyCommandLine::help()
   {
     std::ostringstream text;
     text << "feib-study STUDY.json [options]\n"

@@ -8,10 +8,10 @@
 namespace feib
 {
   /// What the user asks of feib-study.
-  struct CommandLine
+  struct StudyCommandLine
   {
     /// Throws Error on usage that makes no sense.
-    CommandLine(int argc, const char *const *argv);
+    StudyCommandLine(int argc, const char *const *argv);
 
     /// The text of --help.
     static std::string help();

@@ -23,10 +23,10 @@ namespace
 
   /// Returns the exit code.
   int
-  execute(const CommandLine &command)
+  execute(const StudyCommandLine &command)
   {
     if (command.show_help)
-      return print(CommandLine::help()), 0;
+      return print(StudyCommandLine::help()), 0;
     if (command.version)
       return print("feib-study " + version() + "\n"), 0;
 
@@ -71,7 +71,7 @@ main(int argc, char **argv)
 {
   try
     {
-      return execute(CommandLine(argc, argv));
+      return execute(StudyCommandLine(argc, argv));
     }
   catch (const Error &error)
     {

@@ -94,7 +94,7 @@ namespace feib
   } // namespace
 
 
-  Runs::Runs(const Study &study, const CommandLine &command)
+  Runs::Runs(const Study &study, const StudyCommandLine &command)
     : study(study)
     , command(command)
     , jobs(command.jobs != 0 ? command.jobs

@@ -47,7 +47,7 @@ namespace feib
   class Runs
   {
   public:
-    Runs(const Study &study, const CommandLine &command);
+    Runs(const Study &study, const StudyCommandLine &command);
 
     /// Lets feib-host check the case of every combination that has no result yet. Throws Error with
     /// the host's own words at the first that cannot be run.
@@ -67,7 +67,7 @@ namespace feib
 
   private:
     const Study &study;
-    const CommandLine &command;
+    const StudyCommandLine &command;
     const unsigned int jobs;
     ProcessQueue queue;
     std::vector<Combination> all;

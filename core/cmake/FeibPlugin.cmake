@@ -27,11 +27,37 @@ function(feib_precompile target)
   endif()
 endfunction()
 
+# feib_add_base(<interface> SOURCES <file>... [TESTS <file>...] [LIBRARIES <library>...])
+# builds Feib::<interface>_base: what components of one interface share, compiled once into a static
+# library, from which a plugin takes what it uses. Its headers, include/feib/<interface>/*.h, are
+# included as <feib/<interface>/...> and installed.
+function(feib_add_base interface)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;TESTS;LIBRARIES")
+  set(name feib_${interface}_base)
+  add_library(${name} STATIC ${arg_SOURCES})
+  add_library(Feib::${interface}_base ALIAS ${name})
+  set_target_properties(${name} PROPERTIES
+    EXPORT_NAME ${interface}_base POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(${name} PUBLIC Feib::core ${arg_LIBRARIES})
+  feib_precompile(${name})
+  install(TARGETS ${name} ARCHIVE DESTINATION lib)
+  install(DIRECTORY include/ DESTINATION include)
+  if(arg_TESTS AND FEIB_TESTS)
+    feib_add_test(${interface}_base_test SOURCES ${arg_TESTS} LIBRARIES ${name})
+  endif()
+endfunction()
+
 # feib_add_plugin(<name> SOURCES <file>... SCHEMAS <file>.schema.json... [TESTS <file>...]
-#                 [LIBRARIES <library>...])
-# builds <name>.feib.so with the schemas embedded, and a GoogleTest that loads it.
+#                 [BASE <interface>] [LIBRARIES <library>...])
+# builds <name>.feib.so with the schemas embedded, and a GoogleTest that loads it. BASE: the plugin
+# builds on what feib_add_base(<interface>) has built.
 function(feib_add_plugin name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;SCHEMAS;TESTS;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "BASE" "SOURCES;SCHEMAS;TESTS;LIBRARIES")
+  if(arg_BASE)
+    list(APPEND arg_LIBRARIES Feib::${arg_BASE}_base)
+  endif()
   add_library(${name} MODULE ${arg_SOURCES})
   set_target_properties(${name} PROPERTIES
     PREFIX "" SUFFIX ".feib.so" LIBRARY_OUTPUT_DIRECTORY ${FEIB_PLUGIN_OUTPUT_DIRECTORY})

@@ -51,7 +51,9 @@ namespace
     ASSERT_GT(right.at("step").size(), 2u);
     for (const auto &[name, column] : right)
       if (name.rfind("seconds_", 0) != 0)
-        EXPECT_EQ(found.at(name), column) << name << " in " << folder;
+        {
+          EXPECT_EQ(found.at(name), column) << name << " in " << folder;
+        }
   }
 
 
@@ -63,7 +65,9 @@ namespace
       {
         const std::string name = entry.path().filename();
         if (entry.path().extension() == ".pvd" || name.rfind("probe_", 0) == 0)
-          EXPECT_EQ(read_file(folder + "/" + name), read_file(entry.path())) << name;
+          {
+            EXPECT_EQ(read_file(folder + "/" + name), read_file(entry.path())) << name;
+          }
       }
   }
 
@@ -189,9 +193,10 @@ namespace
     {
       if (std::string(GetParam()) == "disc")
         return {folder.write("disc.json", disc_case().dump())};
+      const char *const wanted = std::getenv("FEIB_KILL_END");
       return {std::string(FEIB_SOURCE) + "/cases/elliptic_shell/case.json",
               "--set",
-              "/time/end=0.03",
+              std::string("/time/end=") + (wanted != nullptr ? wanted : "0.03"),
               "--set",
               R"(/checkpoint={"interval":4})",
               "--set",
@@ -200,7 +205,8 @@ namespace
   };
 
 
-  /// FEIB_KILLS of them, at random moments of which the seed is printed.
+  /// FEIB_KILLS of them, at random moments of which the seed is printed; the shell to
+  /// FEIB_KILL_END.
   TEST_P(RestartAfterKill, NothingIsLostOrDoubled)
   {
     const char *const wanted       = std::getenv("FEIB_KILLS");
@@ -305,6 +311,54 @@ namespace
           expect_same_ledger(pieces, whole);
           expect_same_files(pieces, whole);
         }
+  }
+
+
+  /// A case of the tree, made small, with "ledger_csv" for output.
+  json
+  small_case(const std::string &name, const json &changes)
+  {
+    json document = json::parse(
+      read_file(std::string(FEIB_SOURCE) + "/cases/" + name + "/case.json"), nullptr, true, true);
+    document.erase("$schema");
+    document["output"] = json::parse(R"([{"ledger_csv":{}}])");
+    for (const auto &[pointer, value] : changes.items())
+      document[json::json_pointer(pointer)] = value;
+    return document;
+  }
+
+
+  /// Surfaces in three dimensions, levels that follow the structure or the flow, the classical
+  /// coupling, directions of fibres and forces that are tested with reconstructed velocities: what
+  /// the disc has not.
+  TEST(Restart, EveryDimensionRefinementAndCouplingToTheBit)
+  {
+    const TemporaryFolder folder;
+    const json follow                    = {{"immersed_cells", {{"level", 1}, {"interval", 2}}}};
+    const std::pair<json, double> runs[] = {
+      {small_case("ellipsoid", {{"/domain/cells", {4, 4, 4}}, {"/refinement", follow}}), 8e-3},
+      {small_case("elliptic_membrane",
+                  {{"/domain/cells", {16, 16}},
+                   {"/structures/0/membrane/mesh/closed_curve/elements", 64},
+                   {"/refinement",
+                    {{"error_indicator", {{"maximum_level", 1}, {"interval", 2}}}}}}),
+       4e-3},
+      {small_case("fibre_ring",
+                  {{"/domain/cells", {8, 8}},
+                   {"/structures/0/hyperelastic/mesh/ring/cells", {32, 2}}}),
+       6e-3},
+      {small_case("elliptic_membrane",
+                  {{"/domain/cells", {8, 8}},
+                   {"/structures/0/membrane/mesh/closed_curve/elements", 32},
+                   {"/fluid/navier_stokes/body_force", {"20*sin(6*x)", "cos(9*x)*t"}},
+                   {"/fluid/navier_stokes/reconstruction", "body_force"}}),
+       2e-3}};
+    for (const auto &[document, end] : runs)
+      {
+        SCOPED_TRACE(document["title"]);
+        const std::string whole = run_in_pieces(folder, document, {end}, {1});
+        expect_same_ledger(run_in_pieces(folder, document, {end / 2, end}, {1, 1}), whole);
+      }
   }
 
 

@@ -3,8 +3,8 @@
 // measure. The argument is the number of cells in each direction, and the number of refinements
 // around a circle or sphere. DoF/s counts velocity unknowns (for the pressure's cycle pressures);
 // B/DoF is the least traffic there can be: indices, what is read, and twice what is written.
-#include "fluid_operators.h"
-#include "stokes_multigrid.h"
+#include "operators/fluid_operators.h"
+#include "multigrid/stokes_multigrid.h"
 
 #include <feib/testing/spaces.h>
 
@@ -70,9 +70,8 @@ namespace
   velocity_form(benchmark::State &state)
   {
     const auto space = make<dim>(state);
-    const Lattice<dim> lattice(*space);
-    const MultigridLevel<dim> level(
-      lattice, space->domain(), MPI_COMM_SELF, false, nullptr, nullptr);
+    const LatticeCells<dim> mesh(*space);
+    const MultigridLevel<dim> level(mesh, space->domain(), MPI_COMM_SELF, false, nullptr, nullptr);
     LevelVector<Number> u, result;
     level.reinit_velocity(u);
     level.reinit_velocity(result);
@@ -115,10 +114,10 @@ namespace
     const auto space = make<dim>(state);
     FluidOperators<dim> operators({1., 1., 0., true, form});
     operators.reinit(*space);
-    operators.set_convecting_velocity(space->velocity);
+    operators.convection().set_velocity(space->velocity);
     VelocityVector r = space->make_velocity();
     for (auto _ : state)
-      operators.add_convection(1., space->velocity, r);
+      operators.convection().add(1., space->velocity, r);
     count(state, r.size(), 0);
   }
 

@@ -2,6 +2,8 @@
 #ifndef feib_cartesian_forest_h
 #define feib_cartesian_forest_h
 
+#include <feib/lattice.h>
+
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/point.h>
 #include <deal.II/distributed/tria.h>
@@ -20,16 +22,13 @@ namespace feib
   public:
     static constexpr unsigned int not_here = static_cast<unsigned int>(-1);
 
-    /// Builds the tree for a box of @p base_cells cells, which are those of the triangulation's
-    /// level @p base_level. The locally owned cells, @p owned_cells, get the numbers 0, 1, ...
+    /// Builds the tree for a box whose base cells are those of the triangulation's level
+    /// @p base_level. The locally owned cells, @p owned_cells, get the numbers 0, 1, ...
     void rebuild(
       const dealii::parallel::distributed::Triangulation<dim> &triangulation,
       const std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> &owned_cells,
       unsigned int base_level,
-      const dealii::Point<dim> &lower,
-      const dealii::Point<dim> &upper,
-      const std::array<unsigned int, dim> &base_cells,
-      const std::array<bool, dim> &periodic);
+      const Domain<dim> &box);
 
     /// The number of the locally owned cell that holds x, or not_here when another rank's cell does
     /// or x is outside the box or not finite. Each point inside belongs to exactly one cell on
@@ -81,11 +80,8 @@ namespace feib
     };
 
     std::vector<Node> nodes;
-    dealii::Point<dim> lower, upper;
-    dealii::Tensor<1, dim> inverse_size; // of a base cell
-    dealii::Tensor<1, dim> near;         // round_off(), in base cells; 0 where periodic
-    std::array<unsigned int, dim> base_cells;
-    std::array<bool, dim> periodic;
+    Lattice<dim> base;           // of the base cells
+    dealii::Tensor<1, dim> near; // round_off(), in base cells; 0 where periodic
   };
 } // namespace feib
 

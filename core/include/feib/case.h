@@ -20,13 +20,14 @@ namespace feib
     /// Parses @p text, applies the settings (JSON pointer, value: JSON, or else taken as a string),
     /// validates against the schema composed from the registry and fills in the defaults.
     /// @p file is the name used in messages; relative file names in the case are meant from its
-    /// folder, or from @p directory when that is given. Throws Error with all issues. The registry
-    /// must outlive the case.
+    /// folder, or from @p directory when that is given. Components are built by the ranks of
+    /// @p communicator. Throws Error with all issues. The registry must outlive the case.
     Case(const std::string &text,
          const std::string &file,
          const Registry &registry,
          const Settings &settings     = {},
-         const std::string &directory = "");
+         const std::string &directory = "",
+         MPI_Comm communicator        = MPI_COMM_WORLD);
 
     /// The text of a file, read on rank 0 and shared. Collective (a program without MPI just reads
     /// it). Throws Error when it cannot be read.

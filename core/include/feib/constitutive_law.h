@@ -65,6 +65,14 @@ namespace feib
       return false;
     }
 
+    /// How far the entries of F may be from those of a rotation so that tests may ask for the law
+    /// there; a law that is not defined everywhere, or stiffens by orders of magnitude, says less.
+    virtual double
+    tested_strain() const
+    {
+      return .9;
+    }
+
     /// Whether W is defined only where det F > 0 (J = sqrt(det F^T F) > 0 for structure_dim < dim).
     virtual bool
     needs_positive_determinant() const

@@ -15,11 +15,14 @@
 
 namespace feib
 {
+  /// In the order in which they win where faces meet: where a moving lid meets a wall at rest, the
+  /// wall does, so that no fluid passes through the corner. What they mean is said by Domain::Face
+  /// alone.
   enum class BoundaryCondition
   {
     no_slip,
-    velocity,
     free_slip,
+    velocity,
     outflow,
     periodic
   };
@@ -37,17 +40,45 @@ namespace feib
   template <int dim>
   struct Domain
   {
-    /// Throws Error (lower >= upper, a face of a periodic direction with a condition, ...).
+    /// Throws Error (lower >= upper, a face of a periodic direction with a condition, more cells
+    /// along a direction than a Lattice has room for, ...).
     explicit Domain(const Parameters &parameters);
 
     struct Face
     {
       BoundaryCondition condition = BoundaryCondition::no_slip;
+      unsigned int normal         = 0;            // the direction across the face
       std::unique_ptr<Expressions<dim>> velocity; // of x and t, for condition velocity
       bool time_dependent = false;
+
       /// Whether nothing can cross the face: no_slip, free_slip, or a velocity whose component
       /// across the face is the number 0.
       bool tight = true;
+
+      /// Whether the face prescribes a component of the velocity: that of `velocity` where there is
+      /// one, else zero.
+      bool
+      prescribes(const unsigned int component) const
+      {
+        return condition == BoundaryCondition::no_slip ||
+               condition == BoundaryCondition::velocity ||
+               (condition == BoundaryCondition::free_slip && component == normal);
+      }
+
+      /// Whether fluid crosses the face as it likes: nothing is prescribed, and the traction on the
+      /// face is given.
+      bool
+      open() const
+      {
+        return condition == BoundaryCondition::outflow;
+      }
+
+      /// Whether the other side of the box is beyond the face.
+      bool
+      periodic() const
+      {
+        return condition == BoundaryCondition::periodic;
+      }
     };
 
     /// Whether no fluid can cross the boundary freely, so that the pressure is known up to a
@@ -60,7 +91,7 @@ namespace feib
     bool
     periodic(const unsigned int direction) const
     {
-      return faces[2 * direction].condition == BoundaryCondition::periodic;
+      return faces[2 * direction].periodic();
     }
 
     /// The directions that a point cannot leave its place in, as it lies in a tight face across

@@ -5,6 +5,7 @@
 #include <feib/archive.h>
 #include <feib/cartesian_forest.h>
 #include <feib/domain.h>
+#include <feib/lattice.h>
 
 #include <deal.II/base/partitioner.h>
 #include <deal.II/distributed/tria.h>
@@ -79,7 +80,8 @@ namespace feib
 
     /// Marks and executes refinement until @p mark sets no flag on any rank (or once only), moving
     /// the state to the new mesh when there is one. Base cells are not coarsened. Returns whether
-    /// the mesh changed. Collective.
+    /// the mesh changed. Throws RunFailure, and leaves the mesh, when the cells would be too small
+    /// for a Lattice. Collective.
     using Mark = std::function<void(dealii::parallel::distributed::Triangulation<dim> &)>;
     bool adapt(const Mark &mark, bool repeat);
 
@@ -118,6 +120,9 @@ namespace feib
     }
 
     const CartesianForest<dim> &forest() const;
+
+    /// The places of all nodes, in half edges of the smallest cell of any rank.
+    const Lattice<dim> &lattice() const;
 
     /// The smallest edge of any cell, over all ranks: h_x.
     double smallest_edge() const;
@@ -170,6 +175,9 @@ namespace feib
     void archive(Archive &archive);
 
   private:
+    /// The lattice of the mesh, or (@p refined) of the one that the flags lead to. Throws
+    /// RunFailure when there is no room for its nodes. Collective.
+    Lattice<dim> make_lattice(bool refined) const;
     void distribute_dofs();
     void make_constraints(double t);
     void flatten_constraints();
@@ -190,6 +198,7 @@ namespace feib
     std::shared_ptr<const dealii::Utilities::MPI::Partitioner> velocity_partitioner,
       pressure_partitioner;
     CartesianForest<dim> locator;
+    Lattice<dim> node_lattice;
     std::vector<Cell> cell_list;
     std::vector<unsigned int> velocity_dof_table, pressure_dof_table;
     unsigned int base_level      = 0; // of deal.II's levels, that of the base cells

@@ -85,13 +85,15 @@ namespace feib
     /// @p node_places: the reference coordinates of each node. @p node_numbers: for messages, the
     /// numbers of the nodes in the file they come from; empty: their indices. Elements of dimension
     /// m = dim are oriented to positive measure, those of a curve or surface like their neighbours.
-    /// Throws Error for a degenerate element, for two elements with the same nodes, for a node
-    /// without element, for a face of more than two elements, for two elements on one side of a
-    /// face of a body, and for a closed surface that has one side only.
+    /// All ranks of @p communicator make the same mesh, and work on it together. Throws Error for a
+    /// degenerate element, for two elements with the same nodes, for a node without element, for a
+    /// face of more than two elements, for two elements on one side of a face of a body, and for a
+    /// closed surface that has one side only.
     LagrangianMesh(unsigned int structure_dim,
                    std::vector<dealii::Point<dim>> node_places,
                    const std::vector<Simplex> &simplices,
-                   std::vector<std::uint64_t> node_numbers = {});
+                   std::vector<std::uint64_t> node_numbers = {},
+                   MPI_Comm communicator                   = MPI_COMM_WORLD);
 
     /// m
     unsigned int structure_dim() const;
@@ -141,11 +143,8 @@ namespace feib
     /// The elements [first, second) that this rank works on.
     std::pair<unsigned int, unsigned int> local_elements() const;
 
-    MPI_Comm
-    communicator() const
-    {
-      return MPI_COMM_WORLD;
-    }
+    /// The ranks that hold the mesh.
+    MPI_Comm communicator() const;
 
   private:
     void find_facets();
@@ -156,7 +155,8 @@ namespace feib
 
     void turn(Element &element);
 
-    unsigned int m = dim;
+    unsigned int m            = dim;
+    MPI_Comm mpi_communicator = MPI_COMM_WORLD;
     std::vector<dealii::Point<dim>> node_places;
     std::vector<std::uint64_t> node_numbers; // empty: the indices
     std::vector<Element> element_list;

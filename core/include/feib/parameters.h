@@ -4,6 +4,8 @@
 
 #include <feib/error.h>
 
+#include <mpi.h>
+
 #include <map>
 #include <memory>
 #include <string>
@@ -56,6 +58,9 @@ namespace feib
 
     /// The folder that relative file names in the case are meant from.
     const std::string &directory() const;
+
+    /// The ranks that build the component, all with the same parameters.
+    MPI_Comm communicator() const;
 
     /// Throws an Error at @p key of this block ("" for the block itself; "mesh/gmsh/file" goes
     /// deeper).

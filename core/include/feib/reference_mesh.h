@@ -11,7 +11,7 @@ namespace feib
   /// closed_curve, open_curve, rectangle, periodic_strip, disc, ring, sphere, ball, box, gmsh.
   /// The keys each one takes are in the schemas of the structure models. Throws Error at the block
   /// when the mesh does not exist for this (structure_dim, dim), or the file is missing or of the
-  /// wrong dimension.
+  /// wrong dimension. Collective on the ranks of the block.
   template <int dim>
   LagrangianMesh<dim> make_reference_mesh(const Parameters &mesh, unsigned int structure_dim);
 } // namespace feib

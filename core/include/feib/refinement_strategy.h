@@ -32,6 +32,14 @@ namespace feib
       return 0;
     }
 
+    /// The level of the smallest cells that the mesh may get: how often a base cell is halved.
+    /// Where it is said, a case with too small cells is refused before the run. 0: not known.
+    virtual unsigned int
+    finest_level() const
+    {
+      return 0;
+    }
+
     /// What the object carries from step to step. Collective.
     virtual void
     archive(Archive &)

@@ -49,6 +49,8 @@ namespace feib
       /// The work of the elastic load along the way of the step, without sign: the measure of
       /// unexplained energy.
       double elastic_work = 0;
+      /// E(X^{n+1}), which the ledger takes from here. A scheme must set it.
+      double elastic_energy = std::numeric_limits<double>::quiet_NaN();
     };
 
     /// What a step took, and where its energy went: with K and E the kinetic and the elastic

@@ -292,7 +292,8 @@ namespace feib
              const std::string &file,
              const Registry &registry,
              const Settings &settings,
-             const std::string &directory)
+             const std::string &directory,
+             const MPI_Comm communicator)
     : text(text)
     , file(file)
     , settings(settings)
@@ -326,7 +327,8 @@ namespace feib
                                                             known,
                                                             !directory.empty() ? directory
                                                             : folder.empty()   ? "."
-                                                                               : folder});
+                                                                               : folder,
+                                                            communicator});
     if (!issues.empty())
       throw Error(issues);
     view = std::make_unique<Parameters>(

@@ -35,6 +35,7 @@ namespace feib
     const Registry *registry;
     std::map<std::string, double> constants;
     std::string directory;
+    MPI_Comm communicator;
   };
 
   /// Where a text nests objects and arrays deeper than any case does (the limit is 100), or

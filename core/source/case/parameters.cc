@@ -205,6 +205,13 @@ namespace feib
   }
 
 
+  MPI_Comm
+  Parameters::communicator() const
+  {
+    return node->document->communicator;
+  }
+
+
   void
   Parameters::fail(const std::string &key, const std::string &message) const
   {

@@ -97,6 +97,17 @@ namespace feib
   }
 
 
+  bool
+  Registry::offers(const std::string &kind,
+                   const std::string &signature,
+                   const std::string &name) const
+  {
+    for (const Entry &entry : entries())
+      if (entry.kind == kind && entry.name == name)
+        return implementation->find(kind, name, "").factories.count(signature) > 0;
+    return false;
+  }
+
   void *
   Registry::create(const std::string &kind,
                    const std::string &signature,
@@ -146,7 +157,10 @@ namespace feib
 
 
   Parameters
-  Registry::parse(const std::string &kind, const std::string &name, const std::string &json) const
+  Registry::parse(const std::string &kind,
+                  const std::string &name,
+                  const std::string &json,
+                  const MPI_Comm communicator) const
   {
     const Schema schema = Schema::expand(implementation->find(kind, name, "").entry.schema, this);
     std::string filled  = json;
@@ -159,7 +173,7 @@ namespace feib
     if (!issues.empty())
       throw Error(issues);
     const auto document = std::make_shared<Document>(
-      Document{Json::parse(filled), this, mathematical_constants(), "."});
+      Document{Json::parse(filled), this, mathematical_constants(), ".", communicator});
     return Parameters(
       std::make_shared<Parameters::Node>(Parameters::Node{document, &document->root, ""}));
   }

@@ -41,20 +41,23 @@ namespace feib
 
 
   std::string
-  read_text_file(const std::string &file, const std::string &named, const bool regular)
+  read_text_file(const std::string &file,
+                 const std::string &named,
+                 const bool regular,
+                 const MPI_Comm communicator)
   {
     const bool parallel = dealii::Utilities::MPI::job_supports_mpi();
     std::string text, problem;
-    if (!parallel || dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    if (!parallel || dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
       problem = read(file, regular, text);
     if (parallel)
       {
-        problem = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, problem);
+        problem = dealii::Utilities::MPI::broadcast(communicator, problem);
         // Pieces of any size, unlike the broadcast of an object.
         std::uint64_t size = text.size();
-        dealii::Utilities::MPI::broadcast(&size, 1, 0, MPI_COMM_WORLD);
+        dealii::Utilities::MPI::broadcast(&size, 1, 0, communicator);
         text.resize(size);
-        dealii::Utilities::MPI::broadcast(text.data(), size, 0, MPI_COMM_WORLD);
+        dealii::Utilities::MPI::broadcast(text.data(), size, 0, communicator);
       }
     if (!problem.empty())
       throw Error(named + ": " + problem);

@@ -55,7 +55,7 @@ namespace feib
 
   template <int dim>
   typename Accounts<dim>::State
-  Accounts<dim>::state() const
+  Accounts<dim>::state(const Report &report) const
   {
     State result;
     result.fluid            = components.fluid->balance(*components.space);
@@ -63,10 +63,11 @@ namespace feib
     result.elastic          = 0;
     result.momentum         = result.fluid.momentum;
     result.angular_momentum = result.fluid.angular_momentum;
-    for (const ImmersedStructure<dim> &structure : components.structures)
+    for (unsigned int s = 0; s < components.structures.size(); ++s)
       {
-        const StructureModel<dim> &model = *structure.model;
-        result.elastic += model.energy(model.positions);
+        const StructureModel<dim> &model = *components.structures[s].model;
+        result.elastic += s < report.exchanges.size() ? report.exchanges[s].elastic_energy
+                                                      : model.energy(model.positions);
         for (unsigned int i = 0; i < model.excess_mass().size(); ++i)
           {
             const dealii::Tensor<1, dim> p = model.excess_mass()[i] * model.velocities[i];
@@ -176,13 +177,15 @@ namespace feib
           continue;
         const double leak = report.exchanges[s].leak;
         totals.leak[s] += leak;
-        totals.time_error[s] += model.measure(model.positions) - model.measure(before[s]) - leak;
+        // That of now comes last, as the row has it again.
+        const double measure_before = model.measure(before[s]);
+        totals.time_error[s] += model.measure(model.positions) - measure_before - leak;
       }
 
     Ledger::Row row;
     {
       const Timers::Section section(components.timers, "accounting");
-      const State now    = state();
+      const State now    = state(report);
       const double total = now.kinetic + now.elastic;
       sum_up(step, dt, report, total);
       const double initial = step > 0 ? ledger.first("total_energy") : total;

@@ -73,7 +73,8 @@ namespace feib
       dealii::Tensor<1, 3> angular_momentum;
     };
 
-    State state() const;
+    /// After a step of that report, or without steps.
+    State state(const Report &report) const;
 
     void sum_up(unsigned int step, double dt, const Report &report, double total);
 

@@ -6,6 +6,7 @@
 #include "law_check.h"
 
 #include <feib/expression.h>
+#include <feib/lattice.h>
 #include <feib/registry.h>
 
 #include <set>
@@ -29,6 +30,22 @@ namespace feib
           issues.insert(issues.end(), error.issues().begin(), error.issues().end());
         }
     }
+
+
+    /// Refuses cells too small to have places of their own.
+    template <int dim>
+    void
+    check_levels(const Domain<dim> &box, const unsigned int finest_level)
+    {
+      try
+        {
+          Lattice<dim>(box, finest_level + 1);
+        }
+      catch (const RunFailure &failure)
+        {
+          throw Error("/refinement", failure.what());
+        }
+    }
   } // namespace
 
 
@@ -41,8 +58,8 @@ namespace feib
       double n_cells = 1;
       for (const unsigned int n : domain.cells)
         n_cells *= n;
-      check_size<dim>(n_cells, domain.pointer + "/cells", MPI_COMM_WORLD);
-      space = std::make_unique<EulerianSpace<dim>>(std::move(domain));
+      check_size<dim>(n_cells, domain.pointer + "/cells", parameters.communicator());
+      space = std::make_unique<EulerianSpace<dim>>(std::move(domain), parameters.communicator());
     });
     collect(issues, [&] { fluid = parameters.child("fluid").template create<FluidSolver<dim>>(); });
     build_structures(parameters, issues);
@@ -186,6 +203,7 @@ namespace feib
     const std::size_t n_issues = issues.size();
     collect(issues, [&] {
       refinement->check(context);
+      check_levels(space->domain(), refinement->finest_level());
       check_size<dim>(refinement->forecast_cells(*space, structures),
                       "/refinement",
                       space->communicator());

@@ -90,7 +90,7 @@ namespace feib
                       " of which no change of its energy explains: the stress of its law is not "
                       "the derivative of its energy");
 
-    const double energy = model.energy(model.positions);
+    const double energy = exchange.elastic_energy;
     if (energy < std::min(0., initial_energy[s]) - 2 * (std::abs(initial_energy[s]) + stiffness[s]))
       throw Incurable("the elastic energy of the structure \"" + model.name() + "\" falls to " +
                       readable(energy) + " from " + readable(initial_energy[s]) +

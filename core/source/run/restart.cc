@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "checkpoint.h"
+#include "checkpoints.h"
 
 #include <feib/simulation.h>
 

@@ -4,6 +4,7 @@
 #include "error_norms.h"
 #include "structure_summary.h"
 
+#include <feib/failure.h>
 #include <feib/version.h>
 
 #include <deal.II/base/mpi.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 namespace feib
 {
@@ -48,6 +50,79 @@ namespace feib
               {"pressure", components.space->pressure_handler().n_dofs()},
               {"structures", n}};
     }
+
+
+    /// How the run went, beside its end.
+    template <int dim>
+    Json
+    summary(const Components<dim> &components,
+            const Accounts<dim> &accounts,
+            const RunRecord &record)
+    {
+      const EulerianSpace<dim> &space = *components.space;
+      const Ledger &ledger            = accounts.ledger;
+      const auto &totals              = accounts.totals;
+      struct rusage usage;
+      getrusage(RUSAGE_SELF, &usage);
+      const double memory =
+        dealii::Utilities::MPI::sum(usage.ru_maxrss / 1024., space.communicator());
+
+      Json result;
+      result["version"]          = version();
+      result["ranks"]            = dealii::Utilities::MPI::n_mpi_processes(space.communicator());
+      result["steps"]            = record.step;
+      result["time"]             = record.time;
+      result["wall_seconds"]     = record.wall_seconds;
+      result["seconds_per_step"] = {{"median", record.step_seconds.median()},
+                                    {"max", record.step_seconds.largest()}};
+      result["timers"]           = components.timers.seconds();
+      result["peak_memory_mb"]   = memory;
+      result["unknowns"]         = unknowns(components);
+      result["cells"]            = space.triangulation().n_global_active_cells();
+      const double steps         = std::max(1u, record.step);
+      // From a cold start, and with solutions to extrapolate.
+      result["iterations"] = {{"linear_first", totals.first_linear_iterations},
+                              {"linear_last",
+                               ledger.n_rows() > 0 ? ledger.last("linear_iterations") : 0.},
+                              {"linear_mean", totals.linear_iterations / steps},
+                              {"nonlinear_mean", totals.nonlinear_iterations / steps},
+                              {"geometry_mean", totals.geometry_iterations / steps}};
+      result["retries"]    = record.retries;
+      result["remeshes"]   = {{"count", record.remeshes}, {"seconds", record.remesh_seconds}};
+      if (std::isfinite(record.stability_limit))
+        result["stability_limit"] = record.stability_limit;
+      if (record.step > 0)
+        result["dt"] = {{"smallest", totals.smallest_dt}, {"largest", totals.largest_dt}};
+      if (ledger.n_rows() > 0)
+        result["energy"] = energy_summary(accounts);
+      result["structures"] = Json::array();
+      for (unsigned int s = 0; s < components.structures.size(); ++s)
+        result["structures"].push_back(structure_summary(*components.structures[s].model,
+                                                         components.initial_positions[s],
+                                                         totals.leak[s],
+                                                         totals.time_error[s]));
+      if (components.exact_velocity && ledger.n_rows() > 0)
+        {
+          const ErrorNorms norms = error_norms(space,
+                                               record.time,
+                                               *components.exact_velocity,
+                                               components.exact_pressure.get());
+          result["errors"]       = {{"velocity_l2", norms.velocity_l2},
+                                    {"velocity_h1", norms.velocity_h1}};
+          if (components.exact_pressure)
+            result["errors"]["pressure_l2"] = norms.pressure_l2;
+        }
+      return result;
+    }
+
+
+    Json
+    document(const Ending &ending, const Verdict &verdict)
+    {
+      return {{"status", verdict.status(ending.how)},
+              {"message", ending.message},
+              {"warnings", verdict.to_json()}};
+    }
   } // namespace
 
 
@@ -76,65 +151,53 @@ namespace feib
 
 
   template <int dim>
-  Json
-  summary(const Components<dim> &components, const Accounts<dim> &accounts, const RunRecord &record)
+  void
+  write_summary(const std::string &directory,
+                const Ending &ending,
+                const Verdict &verdict,
+                const Components<dim> &components,
+                const Accounts<dim> &accounts,
+                const RunRecord &record)
   {
-    const EulerianSpace<dim> &space = *components.space;
-    const Ledger &ledger            = accounts.ledger;
-    const auto &totals              = accounts.totals;
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    const double memory =
-      dealii::Utilities::MPI::sum(usage.ru_maxrss / 1024., space.communicator());
-
-    Json result;
-    result["version"]          = version();
-    result["ranks"]            = dealii::Utilities::MPI::n_mpi_processes(space.communicator());
-    result["steps"]            = record.step;
-    result["time"]             = record.time;
-    result["wall_seconds"]     = record.wall_seconds;
-    result["seconds_per_step"] = {{"median", record.step_seconds.median()},
-                                  {"max", record.step_seconds.largest()}};
-    result["timers"]           = components.timers.seconds();
-    result["peak_memory_mb"]   = memory;
-    result["unknowns"]         = unknowns(components);
-    result["cells"]            = space.triangulation().n_global_active_cells();
-    const double steps         = std::max(1u, record.step);
-    // From a cold start, and with solutions to extrapolate.
-    result["iterations"] = {{"linear_first", totals.first_linear_iterations},
-                            {"linear_last",
-                             ledger.n_rows() > 0 ? ledger.last("linear_iterations") : 0.},
-                            {"linear_mean", totals.linear_iterations / steps},
-                            {"nonlinear_mean", totals.nonlinear_iterations / steps},
-                            {"geometry_mean", totals.geometry_iterations / steps}};
-    result["retries"]    = record.retries;
-    result["remeshes"]   = {{"count", record.remeshes}, {"seconds", record.remesh_seconds}};
-    if (std::isfinite(record.stability_limit))
-      result["stability_limit"] = record.stability_limit;
-    if (record.step > 0)
-      result["dt"] = {{"smallest", totals.smallest_dt}, {"largest", totals.largest_dt}};
-    if (ledger.n_rows() > 0)
-      result["energy"] = energy_summary(accounts);
-    result["structures"] = Json::array();
-    for (unsigned int s = 0; s < components.structures.size(); ++s)
-      result["structures"].push_back(structure_summary(*components.structures[s].model,
-                                                       components.initial_positions[s],
-                                                       totals.leak[s],
-                                                       totals.time_error[s]));
-    if (components.exact_velocity && ledger.n_rows() > 0)
-      {
-        const ErrorNorms norms = error_norms(space,
-                                             record.time,
-                                             *components.exact_velocity,
-                                             components.exact_pressure.get());
-        result["errors"] = {{"velocity_l2", norms.velocity_l2}, {"velocity_h1", norms.velocity_h1}};
-        if (components.exact_pressure)
-          result["errors"]["pressure_l2"] = norms.pressure_l2;
-      }
-    return result;
+    Json result = document(ending, verdict);
+    result.update(summary(components, accounts, record));
+    agree(components.space->communicator(), [&] {
+      if (dealii::Utilities::MPI::this_mpi_process(components.space->communicator()) != 0)
+        return;
+      const std::string file = directory + "/summary.json";
+      std::ofstream stream(file);
+      stream << result.dump(2) << '\n';
+      stream.close();
+      if (!stream)
+        throw RunFailure("cannot write \"" + file + "\"");
+    });
   }
 
 
-  template Json summary(const Components<2> &, const Accounts<2> &, const RunRecord &);
-  template Json summary(const Components<3> &, const Accounts<3> &, const RunRecord &);
+  void
+  write_lone_summary(const std::string &directory,
+                     const Ending &ending,
+                     const Verdict &verdict,
+                     const RunRecord &record)
+  {
+    Json result     = document(ending, verdict);
+    result["steps"] = record.step;
+    result["time"]  = record.time;
+    std::ofstream(directory + "/summary.json") << result.dump(2) << '\n';
+    std::ofstream(directory + "/log.txt", std::ios::app) << "error: " << ending.message << '\n';
+  }
+
+
+  template void write_summary(const std::string &,
+                              const Ending &,
+                              const Verdict &,
+                              const Components<2> &,
+                              const Accounts<2> &,
+                              const RunRecord &);
+  template void write_summary(const std::string &,
+                              const Ending &,
+                              const Verdict &,
+                              const Components<3> &,
+                              const Accounts<3> &,
+                              const RunRecord &);
 } // namespace feib

@@ -4,6 +4,7 @@
 
 #include "accounts.h"
 #include "json.h"
+#include "verdict.h"
 
 namespace feib
 {
@@ -61,11 +62,27 @@ namespace feib
     }
   };
 
-  /// What summary.json says of a run beside its verdict. Collective.
+  /// How a run ended.
+  struct Ending
+  {
+    Verdict::End how = Verdict::End::completed;
+    std::string message; // when it is not completed: why
+  };
+
+  /// Writes summary.json. Throws RunFailure. Collective.
   template <int dim>
-  Json summary(const Components<dim> &components,
-               const Accounts<dim> &accounts,
-               const RunRecord &record);
+  void write_summary(const std::string &directory,
+                     const Ending &ending,
+                     const Verdict &verdict,
+                     const Components<dim> &components,
+                     const Accounts<dim> &accounts,
+                     const RunRecord &record);
+
+  /// What one rank can write of it when the others do not answer, and into log.txt.
+  void write_lone_summary(const std::string &directory,
+                          const Ending &ending,
+                          const Verdict &verdict,
+                          const RunRecord &record);
 } // namespace feib
 
 #endif

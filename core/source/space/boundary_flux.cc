@@ -74,7 +74,7 @@ namespace feib
          cells_in_order(dynamic_cast<const Mesh &>(handler.get_triangulation())))
       if (const auto cell = in_handler(ordered, handler); cell->at_boundary())
         for (unsigned int f = 0; f < 2 * dim; ++f)
-          if (cell->at_boundary(f) && box.faces[f].condition == BoundaryCondition::velocity)
+          if (cell->at_boundary(f) && box.faces[f].velocity)
             {
               cell->get_dof_indices(indices);
               for (unsigned int i = 0; i < indices.size(); ++i)
@@ -105,7 +105,7 @@ namespace feib
     // All ranks do the same. Where values jump, the two rules differ.
     BoundaryFlux result;
     for (unsigned int f = 0; f < 2 * dim; ++f)
-      if (box.faces[f].condition == BoundaryCondition::velocity)
+      if (box.faces[f].velocity)
         {
           const BoundaryFlux fine = face_flux(box, f, 8), coarse = face_flux(box, f, 5);
           result.net += fine.net;

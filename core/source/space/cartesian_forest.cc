@@ -70,30 +70,18 @@ namespace feib
     const dealii::parallel::distributed::Triangulation<dim> &triangulation,
     const std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> &owned_cells,
     const unsigned int base_level,
-    const dealii::Point<dim> &lower_corner,
-    const dealii::Point<dim> &upper_corner,
-    const std::array<unsigned int, dim> &cells,
-    const std::array<bool, dim> &periodic_directions)
+    const Domain<dim> &box)
   {
-    lower      = lower_corner;
-    upper      = upper_corner;
-    base_cells = cells;
-    periodic   = periodic_directions;
-
-    unsigned int n_base = 1;
+    base = Lattice<dim>(box, 0);
     for (unsigned int a = 0; a < dim; ++a)
-      {
-        inverse_size[a] = base_cells[a] / (upper[a] - lower[a]);
-        near[a]         = periodic[a] ? 0. : round_off(lower[a], upper[a]) * inverse_size[a];
-        n_base *= base_cells[a];
-      }
+      near[a] = base.periodic(a) ? 0. : round_off(box.lower[a], box.upper[a]) / base.unit()[a];
 
     std::vector<unsigned int> owned(triangulation.n_active_cells(), not_here);
     unsigned int n_owned = 0;
     for (const auto &cell : owned_cells)
       owned[cell->active_cell_index()] = n_owned++;
 
-    nodes.assign(n_base, Node{-1, not_here});
+    nodes.assign(std::size_t(base.n_units()), Node{-1, not_here});
 
     // Descends from a base cell; the children of a node lie side by side, as deal.II numbers them.
     using Iterator = typename dealii::Triangulation<dim>::cell_iterator;
@@ -113,12 +101,12 @@ namespace feib
 
     for (const auto &cell : triangulation.cell_iterators_on_level(base_level))
       {
-        const dealii::Point<dim> centre = cell->center();
+        const auto place   = base.unit_around(cell->center());
         unsigned int index = 0, stride = 1;
         for (unsigned int a = 0; a < dim; ++a)
           {
-            index += stride * static_cast<unsigned int>((centre[a] - lower[a]) * inverse_size[a]);
-            stride *= base_cells[a];
+            index += stride * place[a];
+            stride *= base.extent(a);
           }
         enter(cell, index);
       }
@@ -132,7 +120,7 @@ namespace feib
     for (unsigned int a = 0; a < dim; ++a)
       {
         const double z = coordinate(x, a);
-        if (!(std::abs(z) < 1e9) || (!periodic[a] && !(z >= 0 && z <= base_cells[a])))
+        if (!(std::abs(z) < 1e9) || (!base.periodic(a) && !(z >= 0 && z <= base.extent(a))))
           return false;
       }
     return true;
@@ -143,11 +131,11 @@ namespace feib
   double
   CartesianForest<dim>::coordinate(const dealii::Point<dim> &x, const unsigned int a) const
   {
-    const double z = (x[a] - lower[a]) * inverse_size[a];
+    const double z = base.scaled(x[a], a);
     if (std::abs(z) <= near[a])
       return 0;
-    if (std::abs(z - base_cells[a]) <= near[a])
-      return base_cells[a];
+    if (std::abs(z - base.extent(a)) <= near[a])
+      return base.extent(a);
     return z;
   }
 
@@ -163,13 +151,13 @@ namespace feib
     for (unsigned int a = 0; a < dim; ++a)
       {
         double z = coordinate(x, a);
-        if (periodic[a])
-          z -= base_cells[a] * std::floor(z / base_cells[a]);
+        if (base.periodic(a))
+          z -= base.extent(a) * std::floor(z / base.extent(a));
         // The upper end belongs to the last cell.
-        const unsigned int i = std::min(static_cast<unsigned int>(z), base_cells[a] - 1);
+        const unsigned int i = std::min(static_cast<std::int64_t>(z), base.extent(a) - 1);
         unit[a]              = z - i;
         index += stride * i;
-        stride *= base_cells[a];
+        stride *= base.extent(a);
       }
 
     while (nodes[index].first_child >= 0)
@@ -224,7 +212,7 @@ namespace feib
       std::minmax_element(polygon.begin(), polygon.end(), [a](const Corner &p, const Corner &q) {
         return p.unit[a] < q.unit[a];
       });
-    const int n    = base_cells[a];
+    const int n    = base.extent(a);
     int first      = std::floor(least->unit[a]);
     const int last = std::max(first, int(std::ceil(largest->unit[a])) - 1);
     Polygon rest   = polygon, part, above;
@@ -240,9 +228,9 @@ namespace feib
         // What lies in the upper end of the box belongs to the last cell; ends overstepped by
         // round-off too.
         const int cell =
-          periodic[a] ? i - n * int(std::floor(double(i) / n)) : std::clamp(i, 0, n - 1);
+          base.periodic(a) ? i - n * int(std::floor(double(i) / n)) : std::clamp(i, 0, n - 1);
         for (Corner &corner : part)
-          corner.unit[a] -= periodic[a] ? i : cell;
+          corner.unit[a] -= base.periodic(a) ? i : cell;
         cut_base(part, a + 1, index + stride * cell, stride * n, visit);
       }
   }

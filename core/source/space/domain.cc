@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/domain.h>
 
+#include <feib/error.h>
 #include <feib/expression.h>
+#include <feib/lattice.h>
 #include <feib/message.h>
 
 #include <deal.II/base/function.h>
@@ -146,6 +148,14 @@ namespace feib
             faces[f].tight     = false;
           }
       }
+    try
+      {
+        Lattice<dim>(*this, 1);
+      }
+    catch (const RunFailure &failure)
+      {
+        parameters.fail("cells", failure.what());
+      }
 
     const Parameters boundary = parameters.child("boundary");
     for (unsigned int f = 0; f < 6; ++f)
@@ -162,6 +172,8 @@ namespace feib
                           "; such a face takes no condition");
         faces[f] = make_face<dim>(boundary.child(name), f / 2);
       }
+    for (unsigned int f = 0; f < 2 * dim; ++f)
+      faces[f].normal = f / 2;
   }
 
 
@@ -170,7 +182,7 @@ namespace feib
   Domain<dim>::enclosed() const
   {
     for (const Face &face : faces)
-      if (face.condition == BoundaryCondition::outflow)
+      if (face.open())
         return false;
     return true;
   }

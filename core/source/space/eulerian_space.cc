@@ -121,9 +121,22 @@ namespace feib
 
 
   template <int dim>
+  Lattice<dim>
+  EulerianSpace<dim>::make_lattice(const bool refined) const
+  {
+    int finest = 0;
+    for (const auto &cell : mesh.active_cell_iterators())
+      if (cell->is_locally_owned())
+        finest = std::max(finest, level(*cell) + (refined && cell->refine_flag_set() ? 1 : 0));
+    return Lattice<dim>(box, dealii::Utilities::MPI::max(finest, mpi_communicator) + 1);
+  }
+
+
+  template <int dim>
   void
   EulerianSpace<dim>::distribute_dofs()
   {
+    node_lattice = make_lattice(false);
     velocity_dof_handler.distribute_dofs(velocity_fe);
     pressure_dof_handler.distribute_dofs(pressure_fe);
     // In the order of the forest, whatever the history of the mesh and the number of ranks.
@@ -148,11 +161,8 @@ namespace feib
       pressure_dof_handler.locally_owned_dofs(), relevant_pressure, mpi_communicator);
     flatten_constraints();
 
-    std::array<bool, dim> periodic;
-    for (unsigned int a = 0; a < dim; ++a)
-      periodic[a] = box.periodic(a);
     const auto ordered = cells_in_order(mesh);
-    locator.rebuild(mesh, ordered, base_level, box.lower, box.upper, box.cells, periodic);
+    locator.rebuild(mesh, ordered, base_level, box);
 
     cell_list.clear();
     velocity_dof_table.clear();
@@ -199,7 +209,7 @@ namespace feib
     dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
     const auto with = [&](const double share) {
       return make_velocity_constraints(
-        velocity_dof_handler, cartesian_mapping, box, base_level, relevant_velocity, t, share);
+        velocity_dof_handler, cartesian_mapping, box, node_lattice, relevant_velocity, t, share);
     };
     velocity_constraints = with(0.);
     spread_share         = 0;
@@ -332,6 +342,7 @@ namespace feib
         mesh.prepare_coarsening_and_refinement();
         if (!flagged())
           break;
+        make_lattice(true);
 
         using Transfer = dealii::parallel::distributed::SolutionTransfer<dim, VelocityVector>;
         Transfer velocity_transfer(velocity_dof_handler), pressure_transfer(pressure_dof_handler);
@@ -370,7 +381,7 @@ namespace feib
           }
         distribute(velocity, false);
         // Its boundary values are of its own time, also where nodes hang on them.
-        make_continuity_constraints<dim>(velocity_dof_handler, box, base_level, relevant_velocity)
+        make_continuity_constraints<dim>(velocity_dof_handler, node_lattice, relevant_velocity)
           .distribute(old_velocity);
         old_velocity.update_ghost_values();
         older_velocity = old_velocity;
@@ -594,6 +605,13 @@ namespace feib
   EulerianSpace<dim>::forest() const
   {
     return locator;
+  }
+
+  template <int dim>
+  const Lattice<dim> &
+  EulerianSpace<dim>::lattice() const
+  {
+    return node_lattice;
   }
 
   template <int dim>

@@ -5,9 +5,11 @@
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/numerics/vector_tools.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <unordered_map>
 
@@ -25,15 +27,11 @@ namespace feib
     class Nodes
     {
     public:
-      Nodes(const dealii::DoFHandler<dim> &handler,
-            const Domain<dim> &domain,
-            const unsigned int base_level)
-        : box(domain)
-        , finest_level(base_level)
+      Nodes(const dealii::DoFHandler<dim> &handler, const Lattice<dim> &lattice)
+        : lattice(lattice)
       {
         using Level            = signed char;
-        const auto &mesh       = handler.get_triangulation();
-        const unsigned int n_v = mesh.n_vertices();
+        const unsigned int n_v = handler.get_triangulation().n_vertices();
         std::vector<Level> coarsest(n_v, std::numeric_limits<Level>::max()), finest(n_v, 0);
         for (const auto &cell : handler.active_cell_iterators())
           if (!cell->is_artificial())
@@ -42,15 +40,7 @@ namespace feib
                 const unsigned int i = cell->vertex_index(v);
                 coarsest[i]          = std::min<Level>(coarsest[i], cell->level());
                 finest[i]            = std::max<Level>(finest[i], cell->level());
-                finest_level         = std::max<int>(finest_level, cell->level());
               }
-
-        // The unit of the lattice is half a cell of the finest level.
-        for (unsigned int a = 0; a < dim; ++a)
-          {
-            extent[a]     = long(box.cells[a]) << (finest_level - base_level + 1);
-            per_length[a] = extent[a] / (box.upper[a] - box.lower[a]);
-          }
 
         const auto lexicographic = dealii::FETools::hierarchic_to_lexicographic_numbering<dim>(2);
         std::vector<Index> indices(handler.get_fe().n_dofs_per_cell());
@@ -58,17 +48,17 @@ namespace feib
           if (!cell->is_artificial())
             {
               Cell entry;
-              for (unsigned int a = 0; a < dim; ++a)
-                entry.lower[a] = std::lround((cell->vertex(0)[a] - box.lower[a]) * per_length[a]);
-              entry.size      = 2L << (finest_level - cell->level());
+              entry.lower     = lattice.nearest(cell->vertex(0));
+              entry.size      = lattice.nearest(cell->vertex(1))[0] - entry.lower[0];
               bool takes_part = false;
               for (const unsigned int v : cell->vertex_indices())
                 takes_part =
                   takes_part || coarsest[cell->vertex_index(v)] != finest[cell->vertex_index(v)];
               for (unsigned int a = 0; a < dim; ++a)
                 takes_part =
-                  takes_part || (box.periodic(a) &&
-                                 (entry.lower[a] == 0 || entry.lower[a] + entry.size == extent[a]));
+                  takes_part ||
+                  (lattice.periodic(a) &&
+                   (entry.lower[a] == 0 || entry.lower[a] + entry.size == lattice.extent(a)));
               if (!takes_part)
                 continue;
               entry.owned = cell->is_locally_owned();
@@ -85,10 +75,10 @@ namespace feib
         for (const Cell &cell : cells)
           for (unsigned int i = 0; i < n; ++i)
             {
-              const Image image{key(cell, 2, i, false), cell.unknowns[i]};
-              const auto [place, is_new] = first.try_emplace(key(cell, 2, i), image);
-              if (!is_new && image.key < place->second.key)
-                place->second = image;
+              const Image image{place(cell, 2, i), cell.unknowns[i]};
+              const auto [found, is_new] = first.try_emplace(key(image.place), image);
+              if (!is_new && image.place < found->second.place)
+                found->second = image;
             }
       }
 
@@ -112,7 +102,7 @@ namespace feib
                     node     = node && rest % 5 % 2 == 0;
                   }
                 if (boundary && !node)
-                  if (const auto k = key(cell, 4, q); first.find(k) != first.end())
+                  if (const auto k = key(place(cell, 4, q)); first.find(k) != first.end())
                     hanging.try_emplace(k, &cell, q);
               }
 
@@ -120,7 +110,7 @@ namespace feib
           if (cell.owned)
             for (unsigned int i = 0; i < n; ++i)
               {
-                const auto k      = key(cell, 2, i);
+                const auto k      = key(place(cell, 2, i));
                 const auto coarse = hanging.find(k);
                 for (unsigned int a = 0; a < dim; ++a)
                   {
@@ -142,10 +132,12 @@ namespace feib
     private:
       static constexpr unsigned int n = dim == 2 ? 9 : 27;
 
+      using Place = typename Lattice<dim>::Place;
+
       struct Cell
       {
-        std::array<long, dim> lower; // in units of the lattice
-        long size;
+        Place lower;
+        std::int64_t size;
         bool owned;
         std::array<std::array<Index, dim>, n> unknowns; // nodes lexicographic
       };
@@ -154,27 +146,27 @@ namespace feib
       /// coordinates: the choice must not depend on the division between ranks.
       struct Image
       {
-        std::uint64_t key;
+        Place place;
         std::array<Index, dim> unknowns;
       };
 
-      /// A number for the place @p i, lexicographic, of those that divide a cell into @p parts in
-      /// each direction; if @p wrapped, the same for all that the periodic box identifies.
-      std::uint64_t
-      key(const Cell &cell,
-          const unsigned int parts,
-          unsigned int i,
-          const bool wrapped = true) const
+      /// The place @p i, lexicographic, of those that divide a cell into @p parts in each
+      /// direction.
+      static Place
+      place(const Cell &cell, const unsigned int parts, unsigned int i)
       {
-        std::uint64_t result = 0;
+        Place result = cell.lower;
         for (unsigned int a = 0; a < dim; ++a, i /= parts + 1)
-          {
-            long x = cell.lower[a] + cell.size * long(i % (parts + 1)) / long(parts);
-            if (wrapped && box.periodic(a) && x == extent[a])
-              x = 0;
-            result = result * (extent[a] + 1) + x;
-          }
+          result[a] += cell.size * (i % (parts + 1)) / parts;
         return result;
+      }
+
+      /// The same number for all places that the periodic box identifies.
+      std::uint64_t
+      key(Place place) const
+      {
+        lattice.wrap(place, true);
+        return lattice.key(place);
       }
 
       void
@@ -199,10 +191,7 @@ namespace feib
           }
       }
 
-      const Domain<dim> &box;
-      int finest_level;
-      std::array<long, dim> extent;
-      std::array<double, dim> per_length;
+      const Lattice<dim> &lattice;
       std::vector<Cell> cells;
       std::unordered_map<std::uint64_t, Image> first; // at a place
     };
@@ -317,38 +306,43 @@ namespace feib
   make_velocity_constraints(const dealii::DoFHandler<dim> &handler,
                             const dealii::MappingCartesian<dim> &mapping,
                             const Domain<dim> &box,
-                            const unsigned int base_level,
+                            const Lattice<dim> &lattice,
                             const dealii::IndexSet &relevant,
                             const double t,
                             const double share)
   {
     Constraints constraints(relevant);
-    Nodes<dim>(handler, box, base_level).constrain(constraints);
+    Nodes<dim>(handler, lattice).constrain(constraints);
 
-    // The first condition to reach an unknown holds: where a moving lid meets a wall at rest, the
-    // wall wins, so that no fluid passes through the corner.
+    // The first condition to reach an unknown holds.
+    std::array<unsigned int, 2 * dim> order;
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](const unsigned int f, const unsigned int g) {
+      return box.faces[f].condition < box.faces[g].condition;
+    });
     const dealii::Functions::ZeroFunction<dim> zero(dim);
-    for (const BoundaryCondition condition :
-         {BoundaryCondition::no_slip, BoundaryCondition::free_slip, BoundaryCondition::velocity})
-      for (unsigned int f = 0; f < 2 * dim; ++f)
-        if (box.faces[f].condition == condition)
+    for (const unsigned int f : order)
+      {
+        const auto &face = box.faces[f];
+        dealii::ComponentMask mask(dim, false);
+        for (unsigned int a = 0; a < dim; ++a)
+          mask.set(a, face.prescribes(a));
+        if (mask.n_selected_components() == 0)
+          continue;
+        std::optional<Balanced<dim>> velocity;
+        if (face.velocity)
           {
-            dealii::ComponentMask mask(dim, condition != BoundaryCondition::free_slip);
-            mask.set(f / 2, true);
-            std::optional<Balanced<dim>> velocity;
-            if (condition == BoundaryCondition::velocity)
-              {
-                box.faces[f].velocity->set_time(t);
-                velocity.emplace(*box.faces[f].velocity, f, share);
-              }
-            dealii::VectorTools::interpolate_boundary_values(
-              mapping,
-              handler,
-              f,
-              velocity ? static_cast<const dealii::Function<dim> &>(*velocity) : zero,
-              constraints,
-              mask);
+            face.velocity->set_time(t);
+            velocity.emplace(*face.velocity, f, share);
           }
+        dealii::VectorTools::interpolate_boundary_values(
+          mapping,
+          handler,
+          f,
+          velocity ? static_cast<const dealii::Function<dim> &>(*velocity) : zero,
+          constraints,
+          mask);
+      }
     return gather(constraints, handler.locally_owned_dofs(), relevant, handler.get_communicator());
   }
 
@@ -356,12 +350,11 @@ namespace feib
   template <int dim>
   dealii::AffineConstraints<double>
   make_continuity_constraints(const dealii::DoFHandler<dim> &handler,
-                              const Domain<dim> &box,
-                              const unsigned int base_level,
+                              const Lattice<dim> &lattice,
                               const dealii::IndexSet &relevant)
   {
     Constraints constraints(relevant);
-    Nodes<dim>(handler, box, base_level).constrain(constraints);
+    Nodes<dim>(handler, lattice).constrain(constraints);
     return gather(constraints, handler.locally_owned_dofs(), relevant, handler.get_communicator());
   }
 
@@ -370,7 +363,7 @@ namespace feib
   make_velocity_constraints(const dealii::DoFHandler<2> &,
                             const dealii::MappingCartesian<2> &,
                             const Domain<2> &,
-                            unsigned int,
+                            const Lattice<2> &,
                             const dealii::IndexSet &,
                             double,
                             double);
@@ -378,18 +371,16 @@ namespace feib
   make_velocity_constraints(const dealii::DoFHandler<3> &,
                             const dealii::MappingCartesian<3> &,
                             const Domain<3> &,
-                            unsigned int,
+                            const Lattice<3> &,
                             const dealii::IndexSet &,
                             double,
                             double);
   template dealii::AffineConstraints<double>
   make_continuity_constraints(const dealii::DoFHandler<2> &,
-                              const Domain<2> &,
-                              unsigned int,
+                              const Lattice<2> &,
                               const dealii::IndexSet &);
   template dealii::AffineConstraints<double>
   make_continuity_constraints(const dealii::DoFHandler<3> &,
-                              const Domain<3> &,
-                              unsigned int,
+                              const Lattice<3> &,
                               const dealii::IndexSet &);
 } // namespace feib

@@ -3,6 +3,7 @@
 #define feib_source_velocity_constraints_h
 
 #include <feib/domain.h>
+#include <feib/lattice.h>
 
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/fe/mapping_cartesian.h>
@@ -13,8 +14,8 @@ namespace feib
   /// Hanging nodes, periodicity and boundary conditions at time @p t of the Q2 velocity on the
   /// cells of a box, for the locally @p relevant unknowns and those their constraints lead to;
   /// closed.
-  /// @p base_level: the level of the base cells. Of prescribed velocities, what goes out of the box
-  /// is less by the @p share, and what comes in is more by it. Collective.
+  /// @p lattice: that of the nodes. Of prescribed velocities, what goes out of the box is less by
+  /// the @p share, and what comes in is more by it. Collective.
   ///
   /// Instead of deal.II's functions for hanging nodes and periodicity, whose lines differ between
   /// ranks where a mesh is refined across a periodic boundary, so that
@@ -25,7 +26,7 @@ namespace feib
   make_velocity_constraints(const dealii::DoFHandler<dim> &handler,
                             const dealii::MappingCartesian<dim> &mapping,
                             const Domain<dim> &box,
-                            unsigned int base_level,
+                            const Lattice<dim> &lattice,
                             const dealii::IndexSet &relevant,
                             double t,
                             double share = 0);
@@ -35,8 +36,7 @@ namespace feib
   template <int dim>
   dealii::AffineConstraints<double>
   make_continuity_constraints(const dealii::DoFHandler<dim> &handler,
-                              const Domain<dim> &box,
-                              unsigned int base_level,
+                              const Lattice<dim> &lattice,
                               const dealii::IndexSet &relevant);
 } // namespace feib
 

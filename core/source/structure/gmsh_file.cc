@@ -448,9 +448,10 @@ namespace feib
     };
   } // namespace
 
-  GmshFile::GmshFile(const std::string &file)
+  GmshFile::GmshFile(const std::string &file, const MPI_Comm communicator)
   {
-    const std::string text = read_text_file(file, "file \"" + readable(file) + "\"", true);
+    const std::string text =
+      read_text_file(file, "file \"" + readable(file) + "\"", true, communicator);
     Reader(readable(file), text, *this);
   }
 } // namespace feib

@@ -2,6 +2,8 @@
 #ifndef feib_gmsh_file_h
 #define feib_gmsh_file_h
 
+#include <mpi.h>
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -36,8 +38,8 @@ namespace feib
     };
 
     /// Throws Error with line, what was found and what is allowed, when the file is missing, cannot
-    /// be read, or contradicts itself. Collective: rank 0 reads.
-    explicit GmshFile(const std::string &file);
+    /// be read, or contradicts itself. Collective: the first rank reads.
+    GmshFile(const std::string &file, MPI_Comm communicator);
 
     std::vector<Node> nodes;
     std::array<std::vector<Simplex>, 4> simplices; // by dimension; [0] stays empty

@@ -392,8 +392,10 @@ namespace feib
   LagrangianMesh<dim>::LagrangianMesh(const unsigned int structure_dim,
                                       std::vector<Point<dim>> places,
                                       const std::vector<Simplex> &given,
-                                      std::vector<std::uint64_t> numbers)
+                                      std::vector<std::uint64_t> numbers,
+                                      const MPI_Comm communicator)
     : m(structure_dim)
+    , mpi_communicator(communicator)
     , node_places(std::move(places))
     , node_numbers(std::move(numbers))
   {
@@ -657,12 +659,19 @@ namespace feib
   }
 
   template <int dim>
+  MPI_Comm
+  LagrangianMesh<dim>::communicator() const
+  {
+    return mpi_communicator;
+  }
+
+  template <int dim>
   std::pair<unsigned int, unsigned int>
   LagrangianMesh<dim>::local_elements() const
   {
     const std::uint64_t n    = element_list.size();
-    const std::uint64_t rank = dealii::Utilities::MPI::this_mpi_process(communicator());
-    const std::uint64_t size = dealii::Utilities::MPI::n_mpi_processes(communicator());
+    const std::uint64_t rank = dealii::Utilities::MPI::this_mpi_process(mpi_communicator);
+    const std::uint64_t size = dealii::Utilities::MPI::n_mpi_processes(mpi_communicator);
     return {n * rank / size, n * (rank + 1) / size};
   }
 

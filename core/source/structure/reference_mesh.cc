@@ -22,6 +22,11 @@ namespace feib
     template <int dim>
     struct Builder
     {
+      explicit Builder(const MPI_Comm communicator)
+        : communicator(communicator)
+      {}
+
+      const MPI_Comm communicator;
       std::vector<Point<dim>> nodes;
       std::vector<typename LagrangianMesh<dim>::Simplex> simplices;
 
@@ -48,10 +53,8 @@ namespace feib
       LagrangianMesh<dim>
       build(const unsigned int structure_dim, std::vector<std::uint64_t> node_numbers = {})
       {
-        return LagrangianMesh<dim>(structure_dim,
-                                   std::move(nodes),
-                                   simplices,
-                                   std::move(node_numbers));
+        return LagrangianMesh<dim>(
+          structure_dim, std::move(nodes), simplices, std::move(node_numbers), communicator);
       }
     };
 
@@ -88,7 +91,7 @@ namespace feib
     {
       const double length  = block.number("length");
       const unsigned int n = block.integer("elements");
-      Builder<2> builder;
+      Builder<2> builder(block.communicator());
       const auto place = [&](const unsigned int i) { return Point<2>(length * i / n, 0); };
       for (unsigned int i = 0; i < (closed ? n : n + 1); ++i)
         builder.node(place(i));
@@ -106,9 +109,13 @@ namespace feib
     /// reference coordinates; @p periodic: the n-th column is the first.
     template <typename Place>
     LagrangianMesh<2>
-    grid(const unsigned int n, const unsigned int k, const bool periodic, const Place &place)
+    grid(const MPI_Comm communicator,
+         const unsigned int n,
+         const unsigned int k,
+         const bool periodic,
+         const Place &place)
     {
-      Builder<2> builder;
+      Builder<2> builder(communicator);
       const unsigned int columns = periodic ? n : n + 1;
       for (unsigned int j = 0; j <= k; ++j)
         for (unsigned int i = 0; i < columns; ++i)
@@ -148,10 +155,11 @@ namespace feib
       const Point<2> lower = point<2>(block, "lower"), upper = point<2>(block, "upper");
       check_corners(block, lower, upper);
       const std::vector<int> n = cells(block, 2);
-      return grid(n[0], n[1], false, [&](const unsigned int i, const unsigned int j) {
-        return Point<2>(lower[0] + (upper[0] - lower[0]) * i / n[0],
-                        lower[1] + (upper[1] - lower[1]) * j / n[1]);
-      });
+      return grid(
+        block.communicator(), n[0], n[1], false, [&](const unsigned int i, const unsigned int j) {
+          return Point<2>(lower[0] + (upper[0] - lower[0]) * i / n[0],
+                          lower[1] + (upper[1] - lower[1]) * j / n[1]);
+        });
     }
 
     LagrangianMesh<2>
@@ -162,9 +170,10 @@ namespace feib
       if (n[0] < 3)
         block.fail("cells",
                    "needs at least 3 cells along the strip, found " + std::to_string(n[0]));
-      return grid(n[0], n[1], true, [&](const unsigned int i, const unsigned int j) {
-        return Point<2>(length * i / n[0], width * j / n[1]);
-      });
+      return grid(
+        block.communicator(), n[0], n[1], true, [&](const unsigned int i, const unsigned int j) {
+          return Point<2>(length * i / n[0], width * j / n[1]);
+        });
     }
 
     LagrangianMesh<2>
@@ -180,12 +189,13 @@ namespace feib
       if (n[0] < 3)
         block.fail("cells",
                    "needs at least 3 cells around the ring, found " + std::to_string(n[0]));
-      return grid(n[0], n[1], true, [&](const unsigned int i, const unsigned int j) {
-        // The same place, to the last bit, for both ends of a circle.
-        const double angle  = 2 * dealii::numbers::PI * (i % n[0]) / n[0];
-        const double radius = inner + (outer - inner) * j / n[1];
-        return centre + radius * Tensor<1, 2>({std::cos(angle), std::sin(angle)});
-      });
+      return grid(
+        block.communicator(), n[0], n[1], true, [&](const unsigned int i, const unsigned int j) {
+          // The same place, to the last bit, for both ends of a circle.
+          const double angle  = 2 * dealii::numbers::PI * (i % n[0]) / n[0];
+          const double radius = inner + (outer - inner) * j / n[1];
+          return centre + radius * Tensor<1, 2>({std::cos(angle), std::sin(angle)});
+        });
     }
 
     /// Concentric rings of 6, 12, 18, ... nodes around the centre: nearly equilateral triangles.
@@ -195,7 +205,7 @@ namespace feib
       const Point<2> centre    = point<2>(block, "centre");
       const double radius      = block.number("radius");
       const unsigned int rings = block.integer("rings");
-      Builder<2> builder;
+      Builder<2> builder(block.communicator());
       const auto node = [](const unsigned int k, const unsigned int j) {
         return k == 0 ? 0 : 1 + 3 * k * (k - 1) + j % (6 * k);
       };
@@ -227,7 +237,7 @@ namespace feib
       const Point<3> lower = point<3>(block, "lower"), upper = point<3>(block, "upper");
       check_corners(block, lower, upper);
       const std::vector<int> n = cells(block, 6);
-      Builder<3> builder;
+      Builder<3> builder(block.communicator());
       for (int k = 0; k <= n[2]; ++k)
         for (int j = 0; j <= n[1]; ++j)
           for (int i = 0; i <= n[0]; ++i)
@@ -258,7 +268,7 @@ namespace feib
       const double radius            = block.number("radius");
       const unsigned int refinements = block.integer("refinements");
 
-      Builder<3> builder; // on the unit ball around the origin
+      Builder<3> builder(block.communicator()); // on the unit ball around the origin
       const double golden = (1 + std::sqrt(5.)) / 2;
       for (const double one : {-1., 1.})
         for (const double g : {-golden, golden})
@@ -475,10 +485,13 @@ namespace feib
 
     template <int dim>
     LagrangianMesh<dim>
-    gmsh(const std::string &path, const unsigned int structure_dim, const bool merge)
+    gmsh(const std::string &path,
+         const unsigned int structure_dim,
+         const bool merge,
+         const MPI_Comm communicator)
     {
-      const GmshFile file(path);
-      Builder<dim> builder;
+      const GmshFile file(path, communicator);
+      Builder<dim> builder(communicator);
       std::vector<std::uint64_t> numbers;
       unsigned int n_unmerged = 0;
       std::pair<std::uint64_t, std::uint64_t> example;
@@ -580,7 +593,7 @@ namespace feib
                                : block.directory() + "/" + file;
     try
       {
-        return gmsh<dim>(path, structure_dim, block.boolean("merge"));
+        return gmsh<dim>(path, structure_dim, block.boolean("merge"), block.communicator());
       }
     catch (const Error &error)
       {

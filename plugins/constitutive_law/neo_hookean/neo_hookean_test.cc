@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/testing/constitutive_law_kit.h>
+#include <feib/testing/stretched.h>
 
 FEIB_TEST_CONSTITUTIVE_LAW("neo_hookean");
 
@@ -37,6 +38,29 @@ TEST(NeoHookean, StressAtRest)
       stress_at_rest<2, 3>(stress_free);
       stress_at_rest<3, 3>(stress_free);
     }
+}
+
+// Stretches x, y and 1/(x y) of a sheet whose tension across vanishes: P1 = mu (x - 1/(x^3 y^2)).
+TEST(NeoHookean, IncompressibleSheet)
+{
+  const char *const parameters = R"({"shear_modulus": 0.6, "incompressible": true})";
+  for (const double x : {.7, 1., 1.6})
+    for (const double y : {.9, 1.2})
+      {
+        const auto [W, P] = feib::testing::stretched<2, 3>("neo_hookean", parameters, {x, y});
+        EXPECT_NEAR(W, .3 * (x * x + y * y + 1 / (x * x * y * y) - 3), 1e-12);
+        EXPECT_NEAR(P[0][0], .6 * (x - 1 / (x * x * x * y * y)), 1e-12);
+        EXPECT_NEAR(P[1][1], .6 * (y - 1 / (x * x * y * y * y)), 1e-12);
+      }
+  const auto [W, P] = feib::testing::stretched<1, 2>("neo_hookean", parameters, {2.});
+  EXPECT_NEAR(W, .3 * (4 + .25 - 2), 1e-12);
+  EXPECT_NEAR(P[0][0], .6 * (2 - .125), 1e-12);
+  EXPECT_THROW((registry().create<feib::ConstitutiveLaw<2, 2>>("neo_hookean", parameters)),
+               feib::Error);
+  EXPECT_THROW((registry().create<feib::ConstitutiveLaw<2, 3>>(
+                 "neo_hookean",
+                 R"({"shear_modulus": 1, "incompressible": true, "stress_free": true})")),
+               feib::Error);
 }
 
 // A curve stretched by 2: W = mu/2 4 - mu ln 2, P = mu (2 - 1/2).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "fluid_operators.h"
-#include "multigrid_level.h"
+#include "operators/fluid_operators.h"
+#include "multigrid/multigrid_level.h"
+#include "multigrid/spectrum.h"
 
 #include <feib/error.h>
 #include <feib/testing/spaces.h>
@@ -159,9 +160,9 @@ namespace
     fill(*space, u);
     space->distribute(u, true);
 
-    const Lattice<dim> lattice(*space);
+    const LatticeCells<dim> mesh(*space);
     const MultigridLevel<dim> level(
-      lattice, space->domain(), space->communicator(), false, nullptr, nullptr);
+      mesh, space->domain(), space->communicator(), false, nullptr, nullptr);
     LevelVector<double> level_u, result;
     level.reinit_velocity(level_u);
     level.reinit_velocity(result);
@@ -480,9 +481,9 @@ TEST(Multigrid, DiagonalsAreThoseOfTheForm)
   // Of every component, with hanging nodes and cells longer than wide.
   const auto space = feib::testing::make_space<2>(box<2>(4, ", \"upper\": [2, 1]"));
   refine_around(*space, 1);
-  const Lattice<2> lattice(*space);
+  const LatticeCells<2> mesh(*space);
   const MultigridLevel<2> level(
-    lattice, space->domain(), space->communicator(), true, nullptr, nullptr);
+    mesh, space->domain(), space->communicator(), true, nullptr, nullptr);
   const VelocityForm form{5., 2., 1.5, .5, 3.};
   LevelVector<float> inverse;
   level.inverse_diagonal(form, false, inverse);
@@ -519,9 +520,9 @@ TEST(Multigrid, SpectrumIsThatOfTheForm)
         {
           const auto space = feib::testing::make_space<2>(box<2>(8, more));
           refine_around(*space, refinements);
-          const Lattice<2> lattice(*space);
+          const LatticeCells<2> mesh(*space);
           const MultigridLevel<2> level(
-            lattice, space->domain(), space->communicator(), true, nullptr, nullptr);
+            mesh, space->domain(), space->communicator(), true, nullptr, nullptr);
           LevelVector<float> inverse, u, product;
           level.inverse_diagonal(form, false, inverse);
           level.reinit_velocity(u);
@@ -541,7 +542,7 @@ TEST(Multigrid, SpectrumIsThatOfTheForm)
               largest = u.l2_norm();
               u /= largest;
             }
-          const double expected = level.spectrum(form).second;
+          const double expected = spectrum(level, form).second;
           // The smoothers allow for 10 % more.
           EXPECT_LT(largest, 1.1 * expected) << more << form.eta << refinements;
           if (more != open) // where it is a bound

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "fluid_operators.h"
+#include "operators/fluid_operators.h"
 
 #include <feib/error.h>
 #include <feib/fluid_solver.h>
@@ -96,8 +96,8 @@ namespace
       {
         FluidOperators<dim> fluid({1.5, 1., 0., false, form});
         fluid.reinit(*space);
-        fluid.set_convecting_velocity(w);
-        const auto newton = fluid.convection_matrix(0, x);
+        fluid.convection().set_velocity(w);
+        const auto newton = fluid.convection().matrix(0, x);
         double error      = 0;
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
@@ -141,11 +141,11 @@ namespace
 
         // The same on vectors.
         VelocityVector product = space->make_velocity(), expected = space->make_velocity();
-        fluid.add_convection(2., x, product);
-        fluid.add_convection_by(2., x, w, product);
+        fluid.convection().add(2., x, product);
+        fluid.convection().add_by(2., x, w, product);
         for (unsigned int c = 0; c < space->cells().size(); ++c)
           {
-            const auto matrix       = fluid.convection_matrix(c, w);
+            const auto matrix       = fluid.convection().matrix(c, w);
             const unsigned int *dof = space->velocity_dofs(c);
             for (unsigned int i = 0; i < n_u; ++i)
               for (unsigned int j = 0; j < n_u; ++j)

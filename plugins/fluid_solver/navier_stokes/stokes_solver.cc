@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "stokes_solver.h"
 
+#include "convective_blocks.h"
+
 #include <feib/error.h>
 #include <feib/log.h>
 
@@ -23,7 +25,7 @@ namespace feib
     template <int dim>
     struct Jacobian
     {
-      const typename StokesSolver<dim>::Equations &equations;
+      const StokesEquations<dim> &equations;
       double weight;
 
       void
@@ -47,77 +49,6 @@ namespace feib
           equations.load->apply(result, v);
         space.condense(result);
         g *= -weight;
-      }
-    };
-
-    /// The blocks with convection in them, for large steps: the velocity's with a few iterations of
-    /// GMRES around the cycle without convection, and the least-squares commutator of Elman, Howle,
-    /// Shadid, Shuttleworth and Tuminaro (2006) for the Schur complement,
-    ///   S^{-1} = Lp^{-1} (B Ml^{-1} F Ml^{-1} B^T) Lp^{-1}.
-    template <int dim>
-    struct ConvectiveBlocks
-    {
-      const typename StokesSolver<dim>::Equations &equations;
-      StokesMultigrid<dim> &multigrid;
-
-      /// dst = F src
-      void
-      vmult(VelocityVector &dst, const VelocityVector &src) const
-      {
-        VelocityVector v = equations.space.make_velocity();
-        v.copy_locally_owned_data_from(src);
-        equations.space.distribute(v, true);
-        dst = 0.;
-        equations.operators.add_velocity_form(equations.rate, 1., v, dst);
-        equations.add_convection(1., v, dst);
-        dst.compress(dealii::VectorOperation::add);
-        equations.space.condense(dst);
-      }
-
-      /// r = B^T p, condensed
-      void
-      apply_gradient(const PressureVector &p, VelocityVector &r) const
-      {
-        r = 0.;
-        equations.operators.add_gradient(p, r);
-        r.compress(dealii::VectorOperation::add);
-        equations.space.condense(r);
-      }
-
-      void
-      solve(const VelocityVector &f, const PressureVector &g, VelocityVector &u, PressureVector &p)
-      {
-        const EulerianSpace<dim> &space = equations.space;
-        VelocityVector v = space.make_velocity(), w = space.make_velocity();
-        PressureVector q = space.make_pressure();
-        multigrid.solve_pressure(g, p);
-        apply_gradient(p, v);
-        multigrid.divide_by_mass(v);
-        vmult(w, v);
-        multigrid.divide_by_mass(w);
-        space.distribute(w, true);
-        equations.operators.add_divergence(w, q);
-        q.compress(dealii::VectorOperation::add);
-        multigrid.solve_pressure(q, p);
-        p *= -1.;
-
-        apply_gradient(p, v);
-        v += f;
-        constexpr unsigned int most = 30;
-        dealii::IterationNumberControl control(most, .1 * v.l2_norm(), false, false);
-        dealii::SolverFGMRES<VelocityVector> gmres(
-          control, dealii::SolverFGMRES<VelocityVector>::AdditionalData(most));
-        struct Cycle
-        {
-          StokesMultigrid<dim> &multigrid;
-          void
-          vmult(VelocityVector &dst, const VelocityVector &src) const
-          {
-            multigrid.solve_velocity(src, dst);
-          }
-        };
-        u = 0.;
-        gmres.solve(*this, u, v, Cycle{multigrid});
       }
     };
 
@@ -231,7 +162,7 @@ namespace feib
         const std::vector<double> &divergence =
           equations.operators.divergence_matrix(equations.space, c);
         const std::vector<double> convection =
-          factor_with_convection ? equations.operators.convection_matrix(c, *equations.velocity)
+          factor_with_convection ? equations.operators.convection().matrix(c, *equations.velocity)
                                  : std::vector<double>(n_u * n_u, 0.);
         for (unsigned int i = 0; i < n_u; ++i)
           for (unsigned int j = 0; j < n_u; ++j)
@@ -250,6 +181,20 @@ namespace feib
 
 
   template <int dim>
+  void
+  StokesSolver<dim>::renew_factorization(const Equations &equations)
+  {
+    // Rent or buy: a factorisation costs about as much as this many solutions with it. Once so many
+    // were spent on the lack of the implicit load, or on the load of an old geometry, it pays.
+    constexpr unsigned int price = 30;
+    if (excess > price)
+      factor_outdated = factor_with_load = true;
+    if (factor_outdated)
+      factorize(equations);
+  }
+
+
+  template <int dim>
   unsigned int
   StokesSolver<dim>::solve(const Equations &equations,
                            const VelocityVector &r,
@@ -262,21 +207,13 @@ namespace feib
     prepare(equations);
     if (method == Method::direct)
       {
-        // Rent or buy: a factorisation costs about as much as this many solutions with it. Once so
-        // many were spent on the lack of the implicit load, or on the load of an old geometry, it
-        // pays.
-        constexpr unsigned int price = 30;
-        if (excess > price)
-          factor_outdated = factor_with_load = true;
-        if (factor_outdated)
-          factorize(equations);
+        renew_factorization(equations);
         if (!equations.velocity && !equations.load)
           {
             direct.solve(r, g, du, dp);
             return 1;
           }
       }
-
     BlockVector right_hand_side(2), solution(2);
     right_hand_side.block(0).reinit(r, true);
     right_hand_side.block(1).reinit(g, true);
@@ -285,66 +222,59 @@ namespace feib
     right_hand_side.block(1).copy_locally_owned_data_from(g);
     right_hand_side.block(1) *= weight;
     solution.reinit(right_hand_side);
+    const unsigned int n = iterate(equations, weight, target, right_hand_side, solution);
+    ++uses;
+    du.copy_locally_owned_data_from(solution.block(0));
+    dp.copy_locally_owned_data_from(solution.block(1));
+    return n;
+  }
 
+
+  template <int dim>
+  unsigned int
+  StokesSolver<dim>::iterate(const Equations &equations,
+                             const double weight,
+                             const double target,
+                             const BlockVector &right_hand_side,
+                             BlockVector &solution)
+  {
     // Past this many iterations a factorisation is too old, or lacks too much. One that served no
     // second step will hardly be followed by one that does.
+    const bool multigrids        = method == Method::multigrid;
     constexpr unsigned int usual = 3;
-    const unsigned int stalled   = method == Method::multigrid  ? 300
-                                   : uses > 0 && last_uses == 1 ? 8
-                                                                : 30;
-    const Jacobian<dim> jacobian{equations, weight};
-    unsigned int total = 0;
-    for (const bool last_try : {method == Method::multigrid, true})
+    const unsigned int stalled   = multigrids ? 300 : uses > 0 && last_uses == 1 ? 8 : 30;
+    unsigned int total           = 0;
+    for (const bool last_try : {multigrids, true})
       {
-        dealii::SolverControl control(last_try && method == Method::direct ? 10 * stalled : stalled,
+        dealii::SolverControl control(last_try && !multigrids ? 10 * stalled : stalled,
                                       target,
                                       false,
                                       false);
         control.enable_history_data();
-        dealii::SolverFGMRES<BlockVector> fgmres(
-          control,
-          typename dealii::SolverFGMRES<BlockVector>::AdditionalData(method == Method::multigrid
-                                                                       ? 40
-                                                                     : last_try ? 100
-                                                                                : stalled));
         try
           {
-            if (convective)
-              {
-                ConvectiveBlocks<dim> blocks{equations, multigrid};
-                fgmres.solve(jacobian,
-                             solution,
-                             right_hand_side,
-                             Preconditioner<ConvectiveBlocks<dim>>{blocks, weight});
-              }
-            else if (method == Method::multigrid)
-              fgmres.solve(jacobian,
-                           solution,
+            try_to_iterate(equations,
+                           weight,
+                           multigrids ? 40
+                           : last_try ? 100
+                                      : stalled,
+                           control,
                            right_hand_side,
-                           Preconditioner<StokesMultigrid<dim>>{multigrid, weight});
-            else
-              fgmres.solve(jacobian,
-                           solution,
-                           right_hand_side,
-                           Preconditioner<DirectSolver<dim>>{direct, weight});
-            total += control.last_step();
-            if (method == Method::direct && equations.load && control.last_step() > usual)
+                           solution);
+            if (!multigrids && equations.load && control.last_step() > usual)
               excess += control.last_step() - usual;
-            break;
+            return total + control.last_step();
           }
         catch (const dealii::SolverControl::NoConvergence &failure)
           {
             total += failure.last_step;
             if (last_try)
-              throw RunFailure("the linear solver (" +
-                               std::string(method == Method::multigrid ? "multigrid" : "direct") +
-                               ") stopped after " + std::to_string(total) +
-                               " iterations; its residuals, relative "
-                               "to the first: " +
-                               history(control.get_history_data(), right_hand_side.l2_norm()) +
-                               (method == Method::multigrid
-                                  ? "; try \"linear_solver\": \"direct\", or a smaller step"
-                                  : ""));
+              throw RunFailure(
+                "the linear solver (" + std::string(multigrids ? "multigrid" : "direct") +
+                ") stopped after " + std::to_string(total) +
+                " iterations; its residuals, relative to the first: " +
+                history(control.get_history_data(), right_hand_side.l2_norm()) +
+                (multigrids ? "; try \"linear_solver\": \"direct\", or a smaller step" : ""));
             log::debug(
               "factorising the fluid matrix anew, with all there is; the last one served " +
               std::to_string(uses) + " solutions");
@@ -354,10 +284,35 @@ namespace feib
             solution = 0.;
           }
       }
-    ++uses;
-    du.copy_locally_owned_data_from(solution.block(0));
-    dp.copy_locally_owned_data_from(solution.block(1));
-    return total;
+    return total; // never reached: the last try returns or throws
+  }
+
+
+  template <int dim>
+  void
+  StokesSolver<dim>::try_to_iterate(const Equations &equations,
+                                    const double weight,
+                                    const unsigned int memory,
+                                    dealii::SolverControl &control,
+                                    const BlockVector &right_hand_side,
+                                    BlockVector &solution)
+  {
+    using FGMRES = dealii::SolverFGMRES<BlockVector>;
+    FGMRES fgmres(control, typename FGMRES::AdditionalData(memory));
+    const Jacobian<dim> jacobian{equations, weight};
+    const auto solve_with = [&](auto &inverse) {
+      using Inverse = std::remove_reference_t<decltype(inverse)>;
+      fgmres.solve(jacobian, solution, right_hand_side, Preconditioner<Inverse>{inverse, weight});
+    };
+    if (convective)
+      {
+        ConvectiveBlocks<dim> blocks(equations, multigrid);
+        solve_with(blocks);
+      }
+    else if (method == Method::multigrid)
+      solve_with(multigrid);
+    else
+      solve_with(direct);
   }
 
 

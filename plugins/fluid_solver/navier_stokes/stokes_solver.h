@@ -2,9 +2,12 @@
 #ifndef feib_plugins_navier_stokes_stokes_solver_h
 #define feib_plugins_navier_stokes_stokes_solver_h
 
-#include "direct_solver.h"
-#include "fluid_operators.h"
-#include "stokes_multigrid.h"
+#include "direct/direct_solver.h"
+#include "multigrid/stokes_multigrid.h"
+#include "stokes_equations.h"
+
+#include <deal.II/lac/la_parallel_block_vector.h>
+#include <deal.II/lac/solver_control.h>
 
 #include <set>
 
@@ -24,24 +27,7 @@ namespace feib
       direct
     };
 
-    /// [rate M + viscosity + convection + load  -B^T; -B  0].
-    struct Equations
-    {
-      const EulerianSpace<dim> &space;
-      const FluidOperators<dim> &operators;
-      double rate;                              // 1/dt
-      const VelocityVector *velocity = nullptr; // Newton's method has convection here, if any
-      double cfl                     = 0;       // of that velocity
-      const ImplicitLoad<dim> *load  = nullptr;
-
-      /// r += factor times the derivative of convection along u
-      void
-      add_convection(const double factor, const VelocityVector &u, VelocityVector &r) const
-      {
-        operators.add_convection(factor, u, r);
-        operators.add_convection_by(factor, u, *velocity, r);
-      }
-    };
+    using Equations = StokesEquations<dim>;
 
     explicit StokesSolver(const Method method)
       : wanted(method)
@@ -67,6 +53,27 @@ namespace feib
     void prepare(const Equations &equations);
 
     void factorize(const Equations &equations);
+
+    /// Factorises when there is no factorisation, or a better one pays.
+    void renew_factorization(const Equations &equations);
+
+    using BlockVector = dealii::LinearAlgebra::distributed::BlockVector<double>;
+
+    /// solution = about matrix^{-1} right_hand_side by FGMRES, the second row of both matrix and
+    /// right hand side times a weight. Returns the number of iterations.
+    unsigned int iterate(const Equations &equations,
+                         double weight,
+                         double target,
+                         const BlockVector &right_hand_side,
+                         BlockVector &solution);
+
+    /// One try. @p memory: of FGMRES. Throws SolverControl::NoConvergence.
+    void try_to_iterate(const Equations &equations,
+                        double weight,
+                        unsigned int memory,
+                        dealii::SolverControl &control,
+                        const BlockVector &right_hand_side,
+                        BlockVector &solution);
 
     const Method wanted;
     Method method = Method::automatic; // as chosen

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
+#include <feib/refinement_strategy/cell_tree.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_interface_values.h>
@@ -9,7 +10,6 @@
 #include <limits>
 #include <optional>
 
-#include "../cell_tree.h"
 #include "error_indicator_schema.h"
 
 namespace
@@ -233,7 +233,7 @@ namespace
                    const std::vector<feib::ImmersedStructure<dim>> &structures) const override
     {
       using Lattice = feib::Lattice<dim>;
-      double least  = Lattice(space.domain(), minimum_level).n_cells();
+      double least  = Lattice(space.domain(), minimum_level).n_units();
       if (structure_level > minimum_level)
         least =
           std::max(least,
@@ -243,6 +243,12 @@ namespace
       feib::CellTree<dim> required = required_tree(space, structures);
       required.balance();
       return required.n_cells();
+    }
+
+    unsigned int
+    finest_level() const override
+    {
+      return maximum_level;
     }
 
     unsigned int
@@ -282,7 +288,7 @@ namespace
           {
             const int level = space.level(*cell);
             leaves.push_back({level,
-                              feib::Lattice<dim>(space.domain(), level).place(cell->center()),
+                              feib::Lattice<dim>(space.domain(), level).unit_around(cell->center()),
                               indicators[cell->active_cell_index()]});
           }
       std::vector<Leaf<dim>> result;
@@ -345,7 +351,7 @@ namespace
           const int change = leaf.class_ < n_refined ? 1 : leaf.class_ >= first_coarsened ? -1 : 0;
           const int level  = std::min(leaf.level + change, maximum_level);
           feib::Place<dim> place = leaf.place;
-          for (long &coordinate : place)
+          for (std::int64_t &coordinate : place)
             coordinate = level > leaf.level ? 2 * coordinate : coordinate >> (leaf.level - level);
           result.ask_for(level, place);
         }

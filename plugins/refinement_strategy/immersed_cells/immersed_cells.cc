@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
+#include <feib/refinement_strategy/cell_tree.h>
 
-#include "../cell_tree.h"
 #include "immersed_cells_schema.h"
 
 namespace
@@ -37,9 +37,15 @@ namespace
     {
       using Lattice = feib::Lattice<dim>;
       const double least =
-        std::max<double>(Lattice(space.domain(), minimum_level).n_cells(),
+        std::max<double>(Lattice(space.domain(), minimum_level).n_units(),
                          feib::least_touched_cells(Lattice(space.domain(), level), structures));
       return feib::CellTree<dim>::too_large(least) ? least : make_tree(space, structures).n_cells();
+    }
+
+    unsigned int
+    finest_level() const override
+    {
+      return level;
     }
 
     unsigned int
@@ -55,7 +61,7 @@ namespace
     {
       feib::CellTree<dim> tree(space.domain(), minimum_level, level);
       feib::Places<dim> places = feib::touched_cells(tree.lattice(level), structures);
-      tree.lattice(level).dilate(places, buffer);
+      feib::dilate(tree.lattice(level), places, buffer);
       for (const feib::Place<dim> &place : places)
         tree.ask_for(level, place);
       tree.balance();

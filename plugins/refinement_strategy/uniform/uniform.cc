@@ -37,6 +37,12 @@ namespace
     }
 
     unsigned int
+    finest_level() const override
+    {
+      return levels;
+    }
+
+    unsigned int
     interval() const override
     {
       return 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../elastic_structure.h"
-#include "../volumetric_split.h"
-
 #include <feib/plugin.h>
+#include <feib/registry.h>
+#include <feib/structure_model/elastic_structure.h>
+#include <feib/structure_model/volumetric_split.h>
 
 #include "hyperelastic_schema.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../elastic_structure_test.h"
+#include "../base/elastic_structure_test.h"
 
 using namespace feib;
 using namespace feib::testing;

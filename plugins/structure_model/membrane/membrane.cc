@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../elastic_structure.h"
-
 #include <feib/plugin.h>
+#include <feib/registry.h>
+#include <feib/structure_model/elastic_structure.h>
 
 #include "membrane_schema.h"
 

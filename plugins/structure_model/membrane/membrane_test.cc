@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../elastic_structure_test.h"
+#include "../base/elastic_structure_test.h"
 
 using namespace feib;
 using namespace feib::testing;
@@ -194,6 +194,28 @@ TEST(Membrane, ExcessMassHasAVelocityOfItsOwn)
       EXPECT_EQ(moving->velocities[i][1], -1);
     }
   EXPECT_THROW(make_model<2>(component, curve(40), linear, circle + velocity), Error);
+}
+
+// A structure that one rank makes for itself is the whole one, and waits for nobody.
+TEST(Membrane, WorksOnTheRanksItIsMadeBy)
+{
+  const std::string text =
+    R"({"name": "body", "mesh": )" + curve(12) + R"(, "law": )" + linear + ", " + circle + "}";
+  const auto shared = registry().create<StructureModel<2>>(component, text);
+  const auto own    = registry().create<StructureModel<2>>(component, text, MPI_COMM_SELF);
+  ASSERT_EQ(dealii::Utilities::MPI::n_mpi_processes(own->mesh().communicator()), 1u);
+  EXPECT_EQ(own->mesh().local_elements(), std::make_pair(0u, 12u));
+  const Positions<2> X           = shaken(*shared);
+  const double expected          = shared->energy(X);
+  const NodalField<2> all        = load(*shared, X);
+  const auto [kappa, is_ignored] = shared->stiffness(X);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) > 0)
+    return;
+  EXPECT_NEAR(own->energy(X), expected, 1e-14 * expected);
+  const NodalField<2> mine = load(*own, X);
+  for (unsigned int i = 0; i < mine.size(); ++i)
+    EXPECT_LT((mine[i] - all[i]).norm(), 1e-14 * norm(all));
+  EXPECT_NEAR(own->stiffness(X).reference, kappa, 1e-12 * kappa);
 }
 
 TEST(Membrane, Meshes)

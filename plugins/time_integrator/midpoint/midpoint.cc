@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../coupled_scheme.h"
-
 #include <feib/plugin.h>
+#include <feib/time_integrator/coupled_scheme.h>
 
 #include "midpoint_schema.h"
 

@@ -47,8 +47,8 @@ namespace feib::testing
               for (unsigned int i = 0; i < dim; ++i)
                 for (unsigned int k = 0; k < structure_dim; ++k)
                   {
-                    F[q][i][k]  = (i == k) + random();
-                    dF[q][i][k] = random();
+                    F[q][i][k]  = (i == k) + law->tested_strain() / .9 * random();
+                    dF[q][i][k] = law->tested_strain() / .9 * random();
                   }
             while (dealii::DerivativeForm<1, structure_dim, dim>(F[q]).determinant() < .3);
           }
@@ -162,11 +162,13 @@ namespace feib::testing
 
   private:
     /// An example may be refused (fibres need as many components as the space has dimensions), but
-    /// not every one.
+    /// not every one, where the law is offered.
     template <int structure_dim, int dim, typename Check>
     void
     in_dimensions(const Check &check) const
     {
+      if (!registry().offers<ConstitutiveLaw<structure_dim, dim>>(GetParam()))
+        return;
       unsigned int accepted = 0;
       std::string refusal;
       for (const std::string &example : examples())

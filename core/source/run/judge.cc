@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "judge.h"
+
+#include "resolution.h"
+#include "structure_checks.h"
+
+#include <feib/error.h>
+
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace feib
+{
+  namespace
+  {
+    /// To two digits.
+    double
+    rounded_down(const double value)
+    {
+      const double digit = std::pow(10., std::floor(std::log10(value)) - 1);
+      return std::floor(value / digit * (1 + 1e-12)) * digit;
+    }
+  } // namespace
+
+
+  template <int dim>
+  Judge<dim>::Judge(Components<dim> &components,
+                    const Accounts<dim> &accounts,
+                    const Parameters &time)
+    : components(components)
+    , accounts(accounts)
+    , energy_growth(time.number("energy_growth"))
+    , measure_tolerance(time.number("measure_tolerance"))
+  {}
+
+
+  template <int dim>
+  void
+  Judge<dim>::begin()
+  {
+    energies.emplace(components, energy_growth);
+    for (const ImmersedStructure<dim> &structure : components.structures)
+      initial_measures.push_back(structure.model->measure(structure.model->positions));
+  }
+
+
+  template <int dim>
+  double
+  Judge<dim>::start()
+  {
+    calm_limit = components.integrator->stability_limit(components.system()).dt;
+    check_meshes(components, 0., verdict);
+    check_structures(components, 0., verdict);
+    check_overlap(components, 0., verdict);
+    return calm_limit;
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_state() const
+  {
+    // Everything here is the same on all ranks.
+    for (const ImmersedStructure<dim> &structure : components.structures)
+      for (unsigned int i = 0; i < structure.model->positions.size(); ++i)
+        if (!components.space->forest().inside(structure.model->positions[i]))
+          {
+            std::ostringstream message;
+            message << "the structure \"" << structure.model->name() << "\" leaves the box: node "
+                    << structure.model->mesh().node_number(i) << " moves to ("
+                    << structure.model->positions[i] << ")";
+            throw RunFailure(message.str());
+          }
+    // A periodic box has no outside: there an unstable run shows in elements longer than the box.
+    for (const ImmersedStructure<dim> &structure : components.structures)
+      if (components.torn(*structure.model))
+        throw RunFailure("the structure \"" + structure.model->name() +
+                         "\" is torn: one of its elements is longer than the box");
+    if (!std::isfinite(components.space->velocity.l2_norm()))
+      throw RunFailure("the velocity is not finite");
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::judge_energies(const double before, const double after, const Report &report)
+  {
+    energies->judge(before, after, report);
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::forget_failure()
+  {
+    energies->grew = false;
+  }
+
+
+  template <int dim>
+  bool
+  Judge<dim>::grew() const
+  {
+    return energies->grew;
+  }
+
+
+  template <int dim>
+  std::string
+  Judge<dim>::stability_sentence(const double dt)
+  {
+    auto limit = components.integrator->stability_limit(components.system());
+    // A state that has begun to go wrong has limits of its own.
+    if (dt > calm_limit)
+      limit.dt = std::max(limit.dt, calm_limit);
+    std::ostringstream text;
+    text << std::setprecision(2) << "dt = " << dt;
+    if (dt > limit.dt)
+      {
+        text << " exceeds the estimated limit " << limit.dt << " of " << components.integrator_name
+             << " for structure \"" << limit.structure << "\"; use " << limit.alternative
+             << " or dt <= " << rounded_down(limit.dt);
+      }
+    else if (std::isfinite(limit.dt))
+      text << " is below the estimated limit " << limit.dt << " of " << components.integrator_name
+           << " for structure \"" << limit.structure << "\", yet the run is not stable; use "
+           << limit.alternative << " or a smaller dt";
+    else
+      text << " is too large for " << components.integrator_name
+           << ", which has no limit by itself; use a smaller dt";
+    return text.str();
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_limits(const double time, const double dt)
+  {
+    const double limit = accounts.smallest_limit();
+    if (dt > limit * (1 + 1e-12))
+      verdict.warn("step_limit", time, dt / limit, stability_sentence(dt));
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_result(const double time)
+  {
+    if (energies->totals.growth == 0)
+      calm_limit = accounts.smallest_limit();
+    check_energies(time);
+    check_measures(time);
+    check_structures(components, time, verdict);
+    check_resolution(time);
+    check_momentum(time);
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_end(const double time)
+  {
+    check_overlap(components, time, verdict);
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_energies(const double time)
+  {
+    // Explicit schemes gain a little by theory.
+    constexpr double tolerated_gain = .1;
+    if (const auto [part, name] = energies->unexplained(); part > .01)
+      verdict.warn("unexplained_energy",
+                   time,
+                   part,
+                   "nothing explains some of the energy of the structure \"" + name +
+                     "\": the stress of its law is not the derivative of its energy");
+    if (const auto [part, name] = energies->gained(); part > tolerated_gain)
+      {
+        std::ostringstream text;
+        text << std::setprecision(2) << "the structure \"" << name << "\" has gained " << 100 * part
+             << " % of the work of its load from the time scheme: "
+             << stability_sentence(accounts.ledger.last("dt"));
+        verdict.warn("structure_growth", time, part, text.str());
+      }
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_measures(const double time)
+  {
+    const auto &totals = accounts.totals;
+    for (unsigned int s = 0; s < components.structures.size(); ++s)
+      {
+        const double error = std::abs(totals.leak[s] + totals.time_error[s]) / initial_measures[s];
+        if (error > measure_tolerance)
+          {
+            std::ostringstream text;
+            text << std::setprecision(2) << "the structure \""
+                 << components.structures[s].model->name() << "\" has changed its measure by "
+                 << 100 * error << " %, " << 100 * totals.leak[s] / initial_measures[s]
+                 << " % by flux through it and " << 100 * totals.time_error[s] / initial_measures[s]
+                 << " % by the time scheme";
+            verdict.warn("measure", time, error, text.str());
+          }
+      }
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_resolution(const double time)
+  {
+    const double cell_reynolds = components.fluid->density() *
+                                 accounts.ledger.last("largest_velocity") *
+                                 components.space->smallest_edge() / components.fluid->viscosity();
+    // Where viscosity rules, what is rough decays, and what structures push is rough beside them.
+    constexpr double inertial = 30, rough = .26;
+    if (cell_reynolds < inertial)
+      return;
+    const double part = roughness(*components.space);
+    if (part < rough)
+      return;
+    std::ostringstream text;
+    text << std::setprecision(2) << 100 * part
+         << " % of what the velocity varies within cells is rougher than they resolve, at a cell "
+            "Reynolds number of "
+         << cell_reynolds << ": the mesh is too coarse for the flow";
+    verdict.warn("resolution", time, part, text.str());
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_momentum(const double time)
+  {
+    const Domain<dim> &box = components.space->domain();
+    double volume          = 1;
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        if (!box.periodic(a))
+          return;
+        volume *= box.upper[a] - box.lower[a];
+      }
+    if (accounts.totals.body_work != 0)
+      return;
+    const Ledger &ledger = accounts.ledger;
+    double square        = 0;
+    for (const char *const name : {"momentum_x", "momentum_y", "momentum_z"})
+      if (name[9] != 'z' || dim == 3)
+        square += std::pow(ledger.last(name) - ledger.first(name), 2);
+    // That of the energy there was, if all moved together.
+    const double scale =
+      std::sqrt(2 * components.fluid->density() * volume * ledger.first("total_energy"));
+    const double drift = std::sqrt(square);
+    // Flows on meshes much too coarse for them lose their momentum while their energy falls as it
+    // should.
+    constexpr double tolerated = 1e-2;
+    if (drift > tolerated * scale)
+      {
+        std::ostringstream text;
+        text << std::setprecision(2) << "momentum has changed by " << 100 * drift / scale
+             << " % of what the energy could carry, though nothing acts on this periodic box: the "
+                "mesh is too coarse for the flow";
+        verdict.warn("momentum", time, drift / scale, text.str());
+      }
+  }
+
+
+  template <int dim>
+  std::string
+  Judge<dim>::cause(const double time, const double dt)
+  {
+    check_limits(time, dt);
+    if (energies->grew || dt > accounts.smallest_limit())
+      return ": " + stability_sentence(dt);
+    return "";
+  }
+
+
+  template class Judge<2>;
+  template class Judge<3>;
+} // namespace feib

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "initial_state.h"
+#include "moments.h"
+#include "stiffness.h"
+
+#include <feib/body_fault.h>
+#include <feib/failure.h>
+#include <feib/message.h>
+#include <feib/structure_model/elastic_structure.h>
+
+#include <deal.II/base/derivative_form.h>
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <tuple>
+
+namespace feib
+{
+  template <int structure_dim, int dim>
+  ElasticStructure<structure_dim, dim>::ElasticStructure(const Parameters &parameters,
+                                                         std::unique_ptr<Law> constitutive_law)
+    : structure_name(feib::structure_name(parameters))
+    , reference_mesh(make_structure_mesh<dim>(parameters, m, this->positions))
+    , first(reference_mesh.local_elements().first)
+    , last(reference_mesh.local_elements().second)
+    , law_name(parameters.child("law").choice().first)
+    , law(std::move(constitutive_law))
+    , faces(reference_mesh,
+            parameters.child("face_quadrature"),
+            parameters.boolean("boundary_faces"))
+    , node_masses(lumped_masses(reference_mesh, parameters.number("excess_density")))
+  {
+    set_points();
+    this->velocities = initial_velocities(parameters, reference_mesh, !node_masses.empty());
+    check_initial_positions(parameters);
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::check_initial_positions(const Parameters &parameters) const
+  {
+    if (const auto inverted = find_inverted(gradients(this->positions)))
+      {
+        const auto &element = reference_mesh.elements()[inverted->element];
+        std::string place;
+        for (unsigned int i = 0; i < dim; ++i)
+          place += (i ? ", " : "") + readable(element.centroid[i]);
+        parameters.fail("initial_position",
+                        "inverts element " + std::to_string(element.number) +
+                          " at the reference place (" + place + "): det F = " +
+                          readable(inverted->determinant) + "; the law needs det F > 0 everywhere");
+      }
+    if constexpr (m == dim)
+      if (const std::string fault = body_fault(reference_mesh, this->positions); !fault.empty())
+        parameters.fail(parameters.has("initial_position") ? "initial_position" : "mesh", fault);
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::set_points()
+  {
+    std::vector<typename Law::MaterialPoint> material_points;
+    for (unsigned int e = first; e < last; ++e)
+      {
+        const auto &element = reference_mesh.elements()[e];
+        material_points.emplace_back();
+        material_points.back().place       = element.centroid;
+        material_points.back().material_id = element.material_id;
+        for (unsigned int k = 0; k < m; ++k)
+          material_points.back().frame[k] = element.frame[k];
+      }
+    std::pair<std::string, std::string> issue; // pointer and message
+    try
+      {
+        law->set_points(material_points);
+      }
+    catch (const Error &error)
+      {
+        issue = {error.issues().front().pointer, error.issues().front().message};
+      }
+    for (const auto &[pointer, message] :
+         dealii::Utilities::MPI::all_gather(reference_mesh.communicator(), issue))
+      if (!message.empty())
+        throw Error(pointer, message);
+  }
+
+
+  template <int structure_dim, int dim>
+  const std::string &
+  ElasticStructure<structure_dim, dim>::name() const
+  {
+    return structure_name;
+  }
+
+
+  template <int structure_dim, int dim>
+  const typename ElasticStructure<structure_dim, dim>::Mesh &
+  ElasticStructure<structure_dim, dim>::mesh() const
+  {
+    return reference_mesh;
+  }
+
+
+  template <int structure_dim, int dim>
+  const LagrangianPoints &
+  ElasticStructure<structure_dim, dim>::load_points() const
+  {
+    return faces.points();
+  }
+
+
+  template <int structure_dim, int dim>
+  bool
+  ElasticStructure<structure_dim, dim>::linear() const
+  {
+    return law->linear();
+  }
+
+
+  template <int structure_dim, int dim>
+  bool
+  ElasticStructure<structure_dim, dim>::conservative() const
+  {
+    return faces.conservative();
+  }
+
+
+  template <int structure_dim, int dim>
+  const std::vector<double> &
+  ElasticStructure<structure_dim, dim>::excess_mass() const
+  {
+    return node_masses;
+  }
+
+
+  template <int structure_dim, int dim>
+  template <typename Field>
+  std::vector<typename ElasticStructure<structure_dim, dim>::Matrix>
+  ElasticStructure<structure_dim, dim>::gradients(const Field &field) const
+  {
+    AssertDimension(field.size(), reference_mesh.n_nodes());
+    std::vector<Matrix> result(last - first);
+    for (unsigned int e = first; e < last; ++e)
+      {
+        const auto &element = reference_mesh.elements()[e];
+        Matrix &F           = result[e - first];
+        for (unsigned int k = 0; k <= m; ++k)
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int l = 0; l < m; ++l)
+              F[i][l] += field[element.nodes[k]][i] * element.shape_gradients[k][l];
+      }
+    return result;
+  }
+
+
+  template <int structure_dim, int dim>
+  std::unique_ptr<typename ElasticStructure<structure_dim, dim>::Inverted>
+  ElasticStructure<structure_dim, dim>::find_inverted(const std::vector<Matrix> &F) const
+  {
+    if (!law->needs_positive_determinant())
+      return nullptr;
+    struct
+    {
+      double value;
+      int element;
+    } worst{std::numeric_limits<double>::max(), -1};
+    for (unsigned int e = first; e < last; ++e)
+      {
+        double J = dealii::DerivativeForm<1, structure_dim, dim>(F[e - first]).determinant();
+        if (std::isnan(J))
+          J = -std::numeric_limits<double>::infinity();
+        if (J < worst.value)
+          worst = {J, static_cast<int>(e)};
+      }
+    const int ierr = MPI_Allreduce(
+      MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MINLOC, reference_mesh.communicator());
+    AssertThrowMPI(ierr);
+    if (worst.value > 0)
+      return nullptr;
+    return std::make_unique<Inverted>(
+      Inverted{worst.value, static_cast<unsigned int>(worst.element)});
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<typename ElasticStructure<structure_dim, dim>::Matrix>
+  ElasticStructure<structure_dim, dim>::deformation_gradients(const Positions<dim> &X) const
+  {
+    std::vector<Matrix> F = gradients(X);
+    if (const auto inverted = find_inverted(F))
+      throw RunFailure("structure " + structure_name + ": element " +
+                       std::to_string(reference_mesh.elements()[inverted->element].number) +
+                       " is inverted (det F = " + readable(inverted->determinant) +
+                       "), where its law has no energy; a smaller time step may help");
+    return F;
+  }
+
+
+  template <int structure_dim, int dim>
+  template <typename Value, typename Function>
+  void
+  ElasticStructure<structure_dim, dim>::evaluate(const char *what,
+                                                 const Function &function,
+                                                 std::vector<Value> &values) const
+  {
+    const auto finite = [](const Value &value) {
+      if constexpr (std::is_same_v<Value, double>)
+        return std::isfinite(value);
+      else
+        {
+          double sum = 0;
+          for (unsigned int i = 0; i < dim; ++i)
+            sum += value[i].norm_square();
+          return std::isfinite(sum);
+        }
+    };
+    agree(
+      reference_mesh.communicator(),
+      [&] {
+        values.assign(last - first, Value());
+        function();
+        if (values.size() != last - first)
+          throw Incurable("it gives " + std::to_string(values.size()) + " values for " +
+                          std::to_string(last - first) + " elements");
+        for (unsigned int e = first; e < last; ++e)
+          if (!finite(values[e - first]))
+            {
+              std::ostringstream text;
+              text << "it is not finite in element " << reference_mesh.elements()[e].number
+                   << ", at the reference place (" << reference_mesh.elements()[e].centroid << ")";
+              throw RunFailure(text.str());
+            }
+      },
+      "the law \"" + law_name + "\" of structure \"" + structure_name + "\" fails in its " + what);
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::load(const Positions<dim> &X, NodalField<dim> &load) const
+  {
+    std::vector<Matrix> P;
+    const std::vector<Matrix> F = deformation_gradients(X);
+    evaluate(
+      "stress", [&] { law->stress(F, P); }, P);
+    faces.load(P, load);
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::load_derivative(const Positions<dim> &X,
+                                                        const NodalField<dim> &dX,
+                                                        NodalField<dim> &dload) const
+  {
+    std::vector<Matrix> dP;
+    const std::vector<Matrix> F = deformation_gradients(X), dF = gradients(dX);
+    evaluate(
+      "derivative of the stress", [&] { law->stress_derivative(F, dF, dP); }, dP);
+    faces.load(dP, dload);
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<double>
+  ElasticStructure<structure_dim, dim>::local_energy_density(const Positions<dim> &X) const
+  {
+    std::vector<double> W;
+    const std::vector<Matrix> F = deformation_gradients(X);
+    evaluate(
+      "energy", [&] { law->energy(F, W); }, W);
+    return W;
+  }
+
+
+  template <int structure_dim, int dim>
+  double
+  ElasticStructure<structure_dim, dim>::energy(const Positions<dim> &X) const
+  {
+    return last_energy.at(X, [&] {
+      const std::vector<double> W = local_energy_density(X);
+      double sum                  = 0;
+      for (unsigned int e = first; e < last; ++e)
+        sum += W[e - first] * reference_mesh.elements()[e].measure;
+      return dealii::Utilities::MPI::sum(sum, reference_mesh.communicator());
+    });
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<double>
+  ElasticStructure<structure_dim, dim>::energy_density(const Positions<dim> &X) const
+  {
+    const std::vector<double> W = local_energy_density(X);
+    std::vector<double> all(reference_mesh.n_elements());
+    std::copy(W.begin(), W.end(), all.begin() + first);
+    dealii::Utilities::MPI::sum(all, reference_mesh.communicator(), all);
+    return all;
+  }
+
+
+  template <int structure_dim, int dim>
+  typename FaceLoads<structure_dim, dim>::Columns
+  ElasticStructure<structure_dim, dim>::tangent_columns(const std::vector<Matrix> &F) const
+  {
+    typename FaceLoads<structure_dim, dim>::Columns columns;
+    std::vector<Matrix> dF(F.size());
+    for (unsigned int c = 0; c < m * dim; ++c)
+      {
+        for (Matrix &direction : dF)
+          {
+            direction               = Matrix();
+            direction[c / m][c % m] = 1;
+          }
+        evaluate(
+          "derivative of the stress",
+          [&] { law->stress_derivative(F, dF, columns[c]); },
+          columns[c]);
+      }
+    return columns;
+  }
+
+
+  template <int structure_dim, int dim>
+  MatrixEntries
+  ElasticStructure<structure_dim, dim>::tangent(const Positions<dim> &X) const
+  {
+    return faces.tangent(tangent_columns(deformation_gradients(X)));
+  }
+
+
+  template <int structure_dim, int dim>
+  typename ElasticStructure<structure_dim, dim>::Stiffness
+  ElasticStructure<structure_dim, dim>::stiffness(const Positions<dim> &X) const
+  {
+    return last_stiffness.at(X, [&]() -> Stiffness {
+      const std::vector<Matrix> F = deformation_gradients(X);
+      const Stiffness local       = largest_stiffness<structure_dim, dim>(F, tangent_columns(F));
+      const MPI_Comm communicator = reference_mesh.communicator();
+      return {dealii::Utilities::MPI::max(local.reference, communicator),
+              dealii::Utilities::MPI::max(local.spatial, communicator)};
+    });
+  }
+
+
+  template <int structure_dim, int dim>
+  const std::pair<double, dealii::Tensor<1, dim>> &
+  ElasticStructure<structure_dim, dim>::measure_moments(const Positions<dim> &X) const
+  {
+    return last_moments.at(X, [&] { return moments<structure_dim>(reference_mesh, X); });
+  }
+
+
+  template <int structure_dim, int dim>
+  double
+  ElasticStructure<structure_dim, dim>::measure(const Positions<dim> &X) const
+  {
+    return std::abs(measure_moments(X).first);
+  }
+
+
+  template <int structure_dim, int dim>
+  dealii::Point<dim>
+  ElasticStructure<structure_dim, dim>::centroid(const Positions<dim> &X) const
+  {
+    const auto [size, moment] = measure_moments(X);
+    return X[0] + moment / size;
+  }
+
+
+  template class ElasticStructure<1, 2>;
+  template class ElasticStructure<2, 2>;
+  template class ElasticStructure<2, 3>;
+  template class ElasticStructure<3, 3>;
+} // namespace feib

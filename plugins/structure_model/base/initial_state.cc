@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "initial_state.h"
+
+#include <feib/expression.h>
+#include <feib/message.h>
+#include <feib/reference_mesh.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace feib
+{
+  namespace
+  {
+    template <int dim>
+    std::string
+    text(const dealii::Point<dim> &place)
+    {
+      std::string result;
+      for (unsigned int i = 0; i < dim; ++i)
+        result += (i ? ", " : "") + readable(place[i]);
+      return "(" + result + ")";
+    }
+
+
+    template <int dim>
+    void
+    set_materials(const Parameters &parameters, LagrangianMesh<dim> &mesh)
+    {
+      const auto material = parse_expressions<dim>(parameters, "material", 1, Variables::reference);
+      std::vector<unsigned int> ids;
+      for (const auto &element : mesh.elements())
+        {
+          const double id = material->value(element.centroid);
+          if (!(id > -.5 && id < 1e9))
+            parameters.fail("material",
+                            "is " + readable(id) + " at the reference place " +
+                              text(element.centroid) + "; it must be 0, 1, 2, ... there");
+          ids.push_back(std::lround(id));
+        }
+      mesh.set_materials(ids);
+    }
+
+
+    template <int dim>
+    Positions<dim>
+    initial_positions(const Parameters &parameters, const LagrangianMesh<dim> &mesh)
+    {
+      const std::vector<dealii::Point<dim>> &nodes = mesh.nodes();
+      const auto [mesh_name, block]                = parameters.child("mesh").choice();
+      const bool glued = mesh_name == "closed_curve" || mesh_name == "periodic_strip";
+      if (!parameters.has("initial_position"))
+        {
+          if (glued || mesh_name == "open_curve")
+            parameters.fail("",
+                            "lacks \"initial_position\": the reference coordinates of the mesh " +
+                              mesh_name + " are not places");
+          return nodes;
+        }
+
+      const auto X0 =
+        parse_expressions<dim>(parameters, "initial_position", dim, Variables::reference);
+      const auto position = [&X0](const dealii::Point<dim> &s) {
+        dealii::Point<dim> x;
+        for (unsigned int i = 0; i < dim; ++i)
+          x[i] = X0->value(s, i);
+        if (!std::isfinite(x.norm()))
+          throw Error(X0->not_finite(MPI_COMM_SELF));
+        return x;
+      };
+      Positions<dim> X;
+      double extent = 0;
+      for (const dealii::Point<dim> &s : nodes)
+        {
+          X.push_back(position(s));
+          extent = std::max(extent, X.back().distance(X.front()));
+        }
+      if (glued)
+        for (unsigned int i = 0; i < nodes.size(); ++i)
+          if (nodes[i][0] == 0)
+            {
+              dealii::Point<dim> end = nodes[i];
+              end[0]                 = block.number("length");
+              const double gap       = position(end).distance(X[i]);
+              if (gap > 1e-6 * extent)
+                parameters.fail("initial_position",
+                                "does not close: s1 = 0 and s1 = " + readable(end[0]) +
+                                  " are the same place of the mesh " + mesh_name +
+                                  ", but their positions are " + readable(gap) + " apart");
+            }
+      return X;
+    }
+  } // namespace
+
+
+  std::string
+  structure_name(const Parameters &parameters)
+  {
+    const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    std::string name          = parameters.string("name");
+    if (name.empty() || name.find_first_not_of(letters) != std::string::npos)
+      parameters.fail(
+        "name",
+        "must be made of letters, digits and _, as columns of the ledger carry it; found \"" +
+          name + "\"");
+    return name;
+  }
+
+
+  template <int dim>
+  LagrangianMesh<dim>
+  make_structure_mesh(const Parameters &parameters,
+                      const unsigned int structure_dim,
+                      Positions<dim> &positions)
+  {
+    LagrangianMesh<dim> mesh = make_reference_mesh<dim>(parameters.child("mesh"), structure_dim);
+    if (structure_dim == dim && parameters.has("material"))
+      set_materials(parameters, mesh);
+    positions = initial_positions(parameters, mesh);
+    mesh.orient_closed_parts(positions);
+    return mesh;
+  }
+
+
+  template <int dim>
+  NodalField<dim>
+  initial_velocities(const Parameters &parameters,
+                     const LagrangianMesh<dim> &mesh,
+                     const bool heavy)
+  {
+    NodalField<dim> V(mesh.n_nodes());
+    if (!parameters.has("initial_velocity"))
+      return V;
+    if (!heavy)
+      parameters.fail(
+        "initial_velocity",
+        "needs an excess_density greater than 0: without one the structure moves with "
+        "the fluid, whose initial_velocity it has");
+    const auto V0 =
+      parse_expressions<dim>(parameters, "initial_velocity", dim, Variables::reference);
+    for (unsigned int i = 0; i < V.size(); ++i)
+      for (unsigned int a = 0; a < dim; ++a)
+        V[i][a] = V0->value(mesh.nodes()[i], a);
+    if (const Issues issues = V0->not_finite(MPI_COMM_SELF); !issues.empty())
+      throw Error(issues);
+    return V;
+  }
+
+
+  template <int dim>
+  std::vector<double>
+  lumped_masses(const LagrangianMesh<dim> &mesh, const double excess_density)
+  {
+    if (!(excess_density > 0))
+      return {};
+    const unsigned int m = mesh.structure_dim();
+    std::vector<double> masses(mesh.n_nodes(), 0.);
+    for (const auto &element : mesh.elements())
+      for (unsigned int k = 0; k <= m; ++k)
+        masses[element.nodes[k]] += excess_density * element.measure / (m + 1);
+    return masses;
+  }
+
+
+  template LagrangianMesh<2> make_structure_mesh(const Parameters &, unsigned int, Positions<2> &);
+  template LagrangianMesh<3> make_structure_mesh(const Parameters &, unsigned int, Positions<3> &);
+  template NodalField<2> initial_velocities(const Parameters &, const LagrangianMesh<2> &, bool);
+  template NodalField<3> initial_velocities(const Parameters &, const LagrangianMesh<3> &, bool);
+  template std::vector<double> lumped_masses(const LagrangianMesh<2> &, double);
+  template std::vector<double> lumped_masses(const LagrangianMesh<3> &, double);
+} // namespace feib

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/time_integrator/stability_estimate.h>
+
+#include <deal.II/base/numbers.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace feib
+{
+  template <int dim>
+  StructureScales
+  structure_scales(const StructureModel<dim> &model, const Positions<dim> &X)
+  {
+    const LagrangianMesh<dim> &mesh = model.mesh();
+    const unsigned int m            = mesh.structure_dim();
+    const auto stiffness            = model.stiffness(X);
+    StructureScales result{0, stiffness.reference, stiffness.spatial, 0};
+    double reference_measure = 0, largest_J = 0;
+    for (const auto &element : mesh.elements())
+      {
+        double longest = 0;
+        for (unsigned int j = 0; j <= m; ++j)
+          for (unsigned int k = 0; k < j; ++k)
+            longest = std::max(longest, X[element.nodes[j]].distance(X[element.nodes[k]]));
+        // The measure from Gram's determinant.
+        dealii::Tensor<2, dim> gram;
+        for (unsigned int j = 0; j < dim; ++j)
+          gram[j][j] = 1;
+        for (unsigned int j = 0; j < m; ++j)
+          for (unsigned int k = 0; k < m; ++k)
+            gram[j][k] = (X[element.nodes[j + 1]] - X[element.nodes[0]]) *
+                         (X[element.nodes[k + 1]] - X[element.nodes[0]]);
+        const double size   = std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m);
+        result.longest_edge = std::max(result.longest_edge, longest);
+        largest_J           = std::max(largest_J, size / element.measure);
+        reference_measure += element.measure;
+      }
+    double mass = 0;
+    for (const double node_mass : model.excess_mass())
+      mass += node_mass;
+    result.excess_density = mass / (reference_measure * std::max(largest_J, 1e-12));
+    return result;
+  }
+
+
+  template <int dim>
+  Body
+  body_of(const StructureModel<dim> &model)
+  {
+    return model.mesh().structure_dim() == dim ? Body::thick
+           : dim == 2                          ? Body::curve
+                                               : Body::surface;
+  }
+
+
+  double
+  stable_step(const StructureScales &scales,
+              const Body body,
+              const bool midpoint,
+              const double rho,
+              const double mu,
+              const double h_x)
+  {
+    using dealii::numbers::PI;
+    const double C = body == Body::thick ? 1.9 : 1.3, T = 6;
+    const double k = C * PI / h_x;
+    // A surface in space has a third motion, along itself and along the crests of the wave: no
+    // pressure acts on it and both sums count.
+    const auto worst = [&](const double across, const double along) {
+      return body == Body::surface ? across + along : std::max(across, along);
+    };
+    const auto impedance = [&](const double tau) {
+      if (body == Body::thick)
+        return rho / tau + mu * k * k;
+      const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2), angle = std::atan(T * k / q);
+      // q - k, and atan T - atan(T k/q), without cancellation.
+      const double d      = a2 / (q + k);
+      const double gap    = std::atan(T * (d / q) / (1 + T * T * k / q));
+      const double across = k * (d / q * angle + gap), along = d * angle - k * gap;
+      return PI * mu * a2 / worst(across, along);
+    };
+    const double inertia =
+      body == Body::thick ? rho : PI * rho / (k * worst(std::atan(T), T - std::atan(T)));
+    const auto stable = [&](const double dt) {
+      const double stiffness = scales.spatial_kappa * k * k;
+      if (midpoint)
+        return stiffness * dt * dt < 4 * (inertia + scales.excess_density);
+      return stiffness * dt < 2 * (impedance(dt / 2) + scales.excess_density / (dt / 2));
+    };
+    double lower = 1e-12, upper = 1e12;
+    if (!(scales.spatial_kappa > 0) || stable(upper))
+      return std::numeric_limits<double>::infinity();
+    while (upper / lower > 1 + 1e-9)
+      {
+        const double middle              = std::sqrt(lower * upper);
+        (stable(middle) ? lower : upper) = middle;
+      }
+    return lower;
+  }
+
+
+  template StructureScales structure_scales(const StructureModel<2> &, const Positions<2> &);
+  template StructureScales structure_scales(const StructureModel<3> &, const Positions<3> &);
+  template Body body_of(const StructureModel<2> &);
+  template Body body_of(const StructureModel<3> &);
+} // namespace feib

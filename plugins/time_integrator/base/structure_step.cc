@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "structure_step.h"
+
+#include <cmath>
+
+namespace feib
+{
+  namespace
+  {
+    template <int dim>
+    Positions<dim>
+    displaced(Positions<dim> X, const double factor, const NodalField<dim> &U)
+    {
+      for (unsigned int i = 0; i < U.size(); ++i)
+        X[i] += factor * U[i];
+      return X;
+    }
+  } // namespace
+
+
+  template <int dim>
+  StructureStep<dim>::StructureStep(const EulerianSpace<dim> &space,
+                                    const ImmersedStructure<dim> &structure,
+                                    const Positions<dim> &geometry,
+                                    const NodalField<dim> &U,
+                                    const NodalField<dim> &force,
+                                    const double dt,
+                                    const bool midpoint)
+    : space(space)
+    , structure(structure)
+    , model(*structure.model)
+    , geometry(geometry)
+    , U(U)
+    , force(force)
+    , dt(dt)
+    , midpoint(midpoint)
+  {}
+
+
+  template <int dim>
+  typename StructureStep<dim>::Exchange
+  StructureStep<dim>::take()
+  {
+    add_elastic();
+    add_inertial();
+    if (model.mesh().structure_dim() == dim || model.mesh().closed())
+      exchange.leak = leak();
+    return exchange;
+  }
+
+
+  template <int dim>
+  void
+  StructureStep<dim>::add_force(const dealii::Tensor<1, dim> &force,
+                                const dealii::Point<dim> &x,
+                                const dealii::Tensor<1, dim> &velocity)
+  {
+    exchange.power += force * velocity;
+    exchange.force += force;
+    exchange.torque[2] += x[0] * force[1] - x[1] * force[0];
+    if constexpr (dim == 3)
+      {
+        exchange.torque[0] += x[1] * force[2] - x[2] * force[1];
+        exchange.torque[1] += x[2] * force[0] - x[0] * force[2];
+      }
+  }
+
+
+  template <int dim>
+  void
+  StructureStep<dim>::add_elastic()
+  {
+    const Positions<dim> old = model.positions;
+    NodalField<dim> velocity = U; // at the load points
+    if (structure.loading)
+      structure.loading->interpolate(space, space.velocity, velocity);
+    const Positions<dim> points = model.load_points().positions(geometry);
+    for (unsigned int q = 0; q < force.size(); ++q)
+      add_force(force[q], points[q], velocity[q]);
+
+    // The work along the way is found by two Gauss points, exact where the energy is a polynomial
+    // of degree 4.
+    const double before     = model.energy(old);
+    model.positions         = displaced(old, dt, U);
+    exchange.elastic_energy = model.energy(model.positions);
+    const double way        = before - exchange.elastic_energy;
+    double work             = way;
+    if (model.conservative())
+      {
+        work = 0;
+        NodalField<dim> load;
+        for (const double theta : {.5 - std::sqrt(1. / 12), .5 + std::sqrt(1. / 12)})
+          {
+            model.load(displaced(old, theta * dt, U), load);
+            for (unsigned int q = 0; q < load.size(); ++q)
+              work += dt / 2 * (load[q] * velocity[q]);
+          }
+      }
+    exchange.numerical    = work - dt * exchange.power;
+    exchange.unexplained  = way - work;
+    exchange.elastic_work = std::abs(work);
+  }
+
+
+  template <int dim>
+  void
+  StructureStep<dim>::add_inertial()
+  {
+    const std::vector<double> &mass = model.excess_mass();
+    const double tau                = midpoint ? dt / 2 : dt; // of the fluid's step
+    for (unsigned int i = 0; i < U.size(); ++i)
+      {
+        const dealii::Tensor<1, dim> change = U[i] - model.velocities[i];
+        if (!mass.empty())
+          {
+            add_force(-mass[i] / tau * change, geometry[i], U[i]);
+            if (!midpoint)
+              exchange.numerical += mass[i] / 2 * change.norm_square();
+          }
+        model.velocities[i] += (midpoint ? 2. : 1.) * change;
+      }
+  }
+
+
+  template <int dim>
+  double
+  StructureStep<dim>::leak() const
+  {
+    // A is a polynomial of degree dim in the positions.
+    const auto A = [&](const double factor) {
+      return model.measure(displaced(geometry, factor, U));
+    };
+    return dim == 2 ? (A(dt) - A(-dt)) / 2 : (8 * (A(dt) - A(-dt)) - (A(2 * dt) - A(-2 * dt))) / 12;
+  }
+
+
+  template class StructureStep<2>;
+  template class StructureStep<3>;
+} // namespace feib
