@@ -2,9 +2,7 @@
 // What the time schemes promise: order, energy, and what fluid and structure exchange.
 #include "support/run_host.h"
 
-#include <feib/case.h>
-#include <feib/testing/plugins.h>
-#include <feib/time_integrator.h>
+#include <feib/testing/trial.h>
 
 #include <gtest/gtest.h>
 
@@ -15,83 +13,13 @@ namespace
   using namespace feib;
   using feib::testing::registry;
 
-  /// A case in two or three dimensions, taken in hand: step() makes one step of the scheme.
+  /// The case of a file, taken in hand.
   template <int dim>
-  struct Trial
+  struct Trial : feib::testing::Trial<dim>
   {
     Trial(const std::string &file, const Case::Settings &settings)
-      : description(Case::from_file(file, registry(), settings))
-      , space(Domain<dim>(description.parameters().child("domain")))
-      , fluid(description.parameters().child("fluid").create<FluidSolver<dim>>())
-      , scheme(
-          description.parameters().child("time").child("integrator").create<TimeIntegrator<dim>>())
-      , dt(description.parameters().child("time").number("step"))
-    {
-      for (const Parameters &slot : description.parameters().children("structures"))
-        {
-          structures.emplace_back();
-          ImmersedStructure<dim> &structure = structures.back();
-          structure.model                   = slot.create<StructureModel<dim>>();
-          const Parameters coupling         = description.parameters().child("coupling");
-          structure.motion                  = coupling.create<CouplingOperator<dim>>();
-          structure.nodes = LagrangianPoints::nodes(structure.model->mesh().n_nodes());
-          if (structure.model->load_points().nodes_per_point != 1)
-            structure.loading = coupling.create<CouplingOperator<dim>>();
-        }
-      fluid->initialize(space);
-      space.old_velocity = space.older_velocity = space.velocity;
-      for (ImmersedStructure<dim> &structure : structures)
-        {
-          structure.set_geometry(space, structure.model->positions);
-          structure.motion->interpolate(space, space.velocity, structure.model->velocities);
-        }
-    }
-
-    typename TimeIntegrator<dim>::Report
-    step()
-    {
-      space.older_velocity = space.old_velocity;
-      space.old_velocity   = space.velocity;
-      typename TimeIntegrator<dim>::System system{space, *fluid, structures, timers};
-      const auto report = scheme->step(system, n * dt, dt);
-      system.fluid.commit();
-      ++n;
-      space.old_dt = dt;
-      return report;
-    }
-
-    double
-    energy() const
-    {
-      double result = fluid->balance(space).kinetic_energy;
-      for (const ImmersedStructure<dim> &structure : structures)
-        {
-          const StructureModel<dim> &model = *structure.model;
-          result += model.energy(model.positions);
-          for (unsigned int i = 0; i < model.excess_mass().size(); ++i)
-            result += model.excess_mass()[i] / 2 * model.velocities[i].norm_square();
-        }
-      return result;
-    }
-
-    dealii::Tensor<1, dim>
-    momentum() const
-    {
-      dealii::Tensor<1, dim> result = fluid->balance(space).momentum;
-      for (const ImmersedStructure<dim> &structure : structures)
-        for (unsigned int i = 0; i < structure.model->excess_mass().size(); ++i)
-          result += structure.model->excess_mass()[i] * structure.model->velocities[i];
-      return result;
-    }
-
-    const Case description;
-    EulerianSpace<dim> space;
-    std::unique_ptr<FluidSolver<dim>> fluid;
-    std::vector<ImmersedStructure<dim>> structures;
-    std::unique_ptr<TimeIntegrator<dim>> scheme;
-    Timers timers;
-    const double dt;
-    unsigned int n = 0;
+      : feib::testing::Trial<dim>(Case::from_file(file, registry(), settings))
+    {}
   };
 
   const std::string membrane = FEIB_SOURCE "/cases/elliptic_membrane/case.json",
@@ -235,97 +163,6 @@ TEST(TimeSchemes, TheLedgerOfEnergyClosesForAllSchemesLawsAndRules)
               EXPECT_GT(sum_numerical, 0);
             }
         }
-}
-
-TEST(TimeSchemes, LaggedMidpointBalancesExactlyAtTwentyTimesTheExplicitLimit)
-{
-  // A linear law and no convection: nothing is lost but to viscosity.
-  for (const std::string corrections : {"0", "1"})
-    {
-      const double dt = .08;
-      Trial<2> run(membrane,
-                   {{"/domain/cells", "[16, 16]"},
-                    {"/domain/periodic", "[]"},
-                    {"/fluid/navier_stokes/convection", "none"},
-                    {"/fluid/navier_stokes/tolerance", tight},
-                    {"/fluid/navier_stokes/viscosity", "0.1"},
-                    {"/structures/0/membrane/law/anisotropic_linear/stiffness", "10"},
-                    {"/time/step", std::to_string(dt)},
-                    {"/time/integrator",
-                     block("lagged_midpoint", "\"corrections\": " + corrections)}});
-      const auto explicit_scheme = registry().create<TimeIntegrator<2>>("midpoint");
-      typename TimeIntegrator<2>::System system{run.space, *run.fluid, run.structures, run.timers};
-      const double limit = explicit_scheme->stability_limit(system).dt;
-      EXPECT_GT(dt, 20 * limit);
-      std::cout << "dt = " << dt << ", " << dt / limit << " times the explicit limit" << std::endl;
-      double before        = run.energy();
-      const double initial = before;
-      for (unsigned int n = 0; n < 10; ++n)
-        {
-          const auto report  = run.step();
-          const double after = run.energy();
-          EXPECT_LT(after, before);
-          EXPECT_NEAR(after - before + report.dissipated, 0, 1e-10 * initial);
-          EXPECT_NEAR(report.numerical, 0, 1e-12 * initial);
-          EXPECT_EQ(report.nonlinear_iterations, 1u + (corrections == "1"));
-          before = after;
-        }
-      EXPECT_LT(before, .8 * initial);
-    }
-}
-
-TEST(TimeSchemes, EnergyFallsInEveryImplicitStepHoweverStiff)
-{
-  // The table of published behaviour in small; full size: docs/studies.
-  for (const std::string scheme : {"lagged_be", "be_be"})
-    for (const std::string stiffness : {"1", "100"})
-      for (const std::string excess : {"0", "1"})
-        {
-          SCOPED_TRACE(scheme + ", stiffness " + stiffness + ", excess density " + excess);
-          Trial<2> run(membrane,
-                       {{"/domain/cells", "[16, 16]"},
-                        {"/domain/periodic", "[]"},
-                        {"/fluid/navier_stokes/convection", "implicit"},
-                        {"/fluid/navier_stokes/viscosity", "1"},
-                        {"/structures/0/membrane/excess_density", excess},
-                        {"/structures/0/membrane/law/anisotropic_linear/stiffness", stiffness},
-                        {"/time/step", "0.02"},
-                        {"/time/integrator", block(scheme)}});
-          double before = run.energy();
-          for (unsigned int n = 0; n < 6; ++n)
-            {
-              const auto report  = run.step();
-              const double after = run.energy();
-              EXPECT_LE(after, before * (1 + 1e-10));
-              EXPECT_GE(report.numerical, -1e-10 * before);
-              before = after;
-            }
-        }
-}
-
-TEST(TimeSchemes, BeBeTakesItsGeometryAtTheEndOfTheStep)
-{
-  Trial<2> run(shell,
-               {{"/domain/cells", "[16, 16]"},
-                {"/time/step", "0.01"},
-                {"/time/integrator", block("be_be", "\"geometry_tolerance\": 1e-8")}});
-  StructureModel<2> &model = *run.structures[0].model;
-  for (unsigned int n = 0; n < 3; ++n)
-    {
-      const Positions<2> old = model.positions;
-      const auto report      = run.step();
-      EXPECT_GT(report.geometry_iterations, 0u);
-      run.structures[0].set_geometry(run.space, model.positions);
-      NodalField<2> U;
-      run.structures[0].motion->interpolate(run.space, run.space.velocity, U);
-      double moved = 0;
-      for (unsigned int i = 0; i < U.size(); ++i)
-        {
-          EXPECT_LT((model.positions[i] - old[i] - .01 * U[i]).norm(), 1e-8 / 16);
-          moved = std::max(moved, .01 * U[i].norm());
-        }
-      EXPECT_GT(moved, 1e-5);
-    }
 }
 
 TEST(TimeSchemes, WhatFluidAndStructureExchange)

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../base/output_test.h"
+#include <feib/testing/output_writer_kit.h>
 
 #include <gtest/gtest.h>
 
 #include <sstream>
+
+FEIB_TEST_OUTPUT_WRITER("ledger_csv");
 
 namespace
 {
@@ -67,16 +69,6 @@ namespace
     f.write();
     f.write();
     EXPECT_EQ(f.folder.read("ledger.csv"), "step\n2\n");
-  }
-
-  TEST(LedgerCsv, AFullDiskIsAFailureOnAllRanks)
-  {
-    Fixture f;
-    f.folder.make_full("ledger.csv");
-    f.ledger.add({{"step", 0.}});
-    const std::string message = feib::testing::failure_of([&] { f.write(); });
-    EXPECT_NE(message.find(f.folder.path + "/ledger.csv"), std::string::npos) << message;
-    EXPECT_NE(message.find("No space left"), std::string::npos) << message;
   }
 
   TEST(LedgerCsv, EveryStepUnlessTold)

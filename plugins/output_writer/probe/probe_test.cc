@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../base/output_test.h"
+#include <feib/testing/output_writer_kit.h>
 
 #include <gtest/gtest.h>
 
 #include <sstream>
+
+FEIB_TEST_OUTPUT_WRITER("probe");
 
 namespace
 {
@@ -124,18 +126,8 @@ namespace
           R"({"name": "a", "at": {"points": {"places": [)" + place + "]}}}"))
     {}
 
-    std::string
-    failure()
-    {
-      return feib::testing::failure_of([&] {
-        writer->write({0, 0., folder.path, *space, structures, ledger});
-      });
-    }
-
-    TemporaryFolder folder;
     std::unique_ptr<EulerianSpace<2>> space = feib::testing::make_space<2>(R"({"cells": [2, 2]})");
     std::vector<ImmersedStructure<2>> structures;
-    Ledger ledger;
     std::unique_ptr<OutputWriter<2>> writer;
   };
 
@@ -154,14 +146,5 @@ namespace
         EXPECT_EQ(error.issues()[0].message, "is at (0.5 1.5), the box goes from (0 0) to (1 1)");
         EXPECT_EQ(error.issues()[1].pointer, "/at/points/places/2");
       }
-  }
-
-  TEST(Probe, AFullDiskIsAFailureOnAllRanks)
-  {
-    Fixture f("[0.5, 0.5]");
-    f.folder.make_full("probe_a.csv");
-    const std::string message = f.failure();
-    EXPECT_NE(message.find(f.folder.path + "/probe_a.csv"), std::string::npos) << message;
-    EXPECT_NE(message.find("No space left"), std::string::npos) << message;
   }
 } // namespace

@@ -231,7 +231,10 @@ namespace
             std::regex_replace(record.str(),
                                std::regex("(<PPoints>\\s*<PDataArray type=)\"Float32\""),
                                "$1\"Float64\"");
-          write_file(snapshot.directory + "/" + name + ".pvtu", with_double);
+          // deal.II notes when it was written: the same run would not give the same file.
+          const std::string undated =
+            std::regex_replace(with_double, std::regex("<!--[^>]*-->\\s*"), "");
+          write_file(snapshot.directory + "/" + name + ".pvtu", undated);
           add_to_series(snapshot, "fluid", name + ".pvtu");
         }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../base/output_test.h"
+#include <feib/testing/output_writer_kit.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -10,6 +10,8 @@
 #include <regex>
 
 #include <zlib.h>
+
+FEIB_TEST_OUTPUT_WRITER("vtu");
 
 namespace
 {
@@ -335,26 +337,5 @@ namespace
                                   std::regex("timestep=\"0\"[^>]*fluid_000000.pvtu[^]*"
                                              "timestep=\"0.25\"[^>]*fluid_000010.pvtu")))
       << series;
-  }
-
-  TEST(Vtu, AFullDiskIsAFailureOnAllRanks)
-  {
-    const auto space = make_state<2>();
-    const std::vector<ImmersedStructure<2>> structures;
-    const Ledger ledger;
-    const unsigned int last = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) - 1;
-    for (const std::string &file : {"fluid_000000." + std::to_string(last) + ".vtu",
-                                    std::string("fluid_000000.pvtu"),
-                                    std::string("fluid.pvd")})
-      {
-        TemporaryFolder folder;
-        folder.make_full(file);
-        const auto writer         = feib::testing::registry().create<OutputWriter<2>>("vtu");
-        const std::string message = feib::testing::failure_of([&] {
-          writer->write({0, 0., folder.path, *space, structures, ledger});
-        });
-        EXPECT_NE(message.find(folder.path + "/" + file), std::string::npos) << message;
-        EXPECT_NE(message.find("No space left"), std::string::npos) << message;
-      }
   }
 } // namespace

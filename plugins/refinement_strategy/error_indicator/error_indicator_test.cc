@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <feib/refinement_strategy.h>
-#include <feib/testing/spaces.h>
+#include <feib/testing/refinement_strategy_kit.h>
 
 #include <deal.II/base/quadrature_lib.h>
 
@@ -9,10 +8,13 @@
 #include <functional>
 #include <set>
 
+FEIB_TEST_REFINEMENT_STRATEGY("error_indicator");
+
 namespace
 {
   using namespace feib;
   using namespace dealii;
+  using feib::testing::cells_of;
 
   template <int dim>
   using Field = std::function<double(const Point<dim> &)>;
@@ -114,16 +116,6 @@ namespace
     for (const auto &part : Utilities::MPI::all_gather(communicator, names))
       result.insert(part.begin(), part.end());
     return result;
-  }
-
-  template <int dim>
-  std::set<Name<dim>>
-  cells_of(const EulerianSpace<dim> &space)
-  {
-    std::vector<Name<dim>> names;
-    for (const auto &cell : space.cells())
-      names.push_back(name_of<dim>(cell.lower, cell.level));
-    return over_all_ranks<dim>(names, space.communicator());
   }
 
   /// The cells that the strategy marks to be split; the mesh stays as it is.

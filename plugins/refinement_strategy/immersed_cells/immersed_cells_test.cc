@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <feib/refinement_strategy.h>
-#include <feib/testing/spaces.h>
+#include <feib/testing/refinement_strategy_kit.h>
 
 #include <gtest/gtest.h>
 
 #include <random>
+
+FEIB_TEST_REFINEMENT_STRATEGY("immersed_cells");
 
 namespace
 {

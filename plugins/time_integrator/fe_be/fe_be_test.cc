@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/testing/spaces.h>
-#include <feib/time_integrator.h>
+#include <feib/testing/time_integrator_kit.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
+
+FEIB_TEST_TIME_INTEGRATOR("fe_be", 1);
 
 namespace
 {

@@ -3,6 +3,7 @@
 #define feib_testing_coupling_operator_kit_h
 
 #include <feib/coupling_operator.h>
+#include <feib/testing/examples.h>
 #include <feib/testing/spaces.h>
 
 #include <gtest/gtest.h>
@@ -11,10 +12,28 @@
 
 namespace feib::testing
 {
+  /// Points within the elements of a mesh, as Gauss points of faces are: two in each, which ride on
+  /// its nodes.
+  template <int dim>
+  LagrangianPoints
+  points_within(const LagrangianMesh<dim> &mesh)
+  {
+    LagrangianPoints points;
+    points.nodes_per_point = mesh.structure_dim() + 1;
+    for (const auto &element : mesh.elements())
+      for (const double share : {.2, .7})
+        for (unsigned int k = 0; k < points.nodes_per_point; ++k)
+          {
+            points.node.push_back(element.nodes[k]);
+            points.weight.push_back(k == 0 ? share : (1 - share) / mesh.structure_dim());
+          }
+    return points;
+  }
+
   /// Every coupling: (J^T f) . v = f . (J v) to round-off, on uniform and refined meshes, periodic
   /// or not, before and after condensing, for structures of dimension m = dim and dim-1; also where
   /// they stand on a wall along which the fluid slips, in which they then stay. @p parameters:
-  /// those of the component, JSON.
+  /// those of the component, JSON. @p within: at points within elements instead of the nodes.
   template <int dim>
   void
   check_duality(const std::string &name,
@@ -22,11 +41,12 @@ namespace feib::testing
                 const bool refined,
                 const bool periodic,
                 const std::string &parameters = "{}",
-                const bool standing           = false)
+                const bool standing           = false,
+                const bool within             = false)
   {
     SCOPED_TRACE("dim " + std::to_string(dim) + ", m " + std::to_string(m) +
                  (refined ? ", refined" : "") + (periodic ? ", periodic" : "") +
-                 (standing ? ", standing on a wall" : ""));
+                 (standing ? ", standing on a wall" : "") + (within ? ", points within" : ""));
     const std::string cells = dim == 2 ? "[5, 4]" : "[3, 4, 3]";
     const auto space =
       make_space<dim>("{\"cells\": " + cells + (periodic ? ", \"periodic\": [\"x\"]" : "") +
@@ -49,8 +69,10 @@ namespace feib::testing
           X[i][1] = s[1] > 0 ? X[i][1] - .2 : 1e-14 * (i % 3 - 1.);
       }
 
+    const LagrangianPoints points =
+      within ? points_within(mesh) : LagrangianPoints::nodes(mesh.n_nodes());
     const auto coupling = registry().create<CouplingOperator<dim>>(name, parameters);
-    coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(mesh.n_nodes()));
+    coupling->set_geometry(*space, mesh, X, points);
 
     std::mt19937 random(1);
     std::uniform_real_distribution<double> uniform(-1, 1);
@@ -62,12 +84,13 @@ namespace feib::testing
           v(i) = value;
       }
     space->distribute(v, true);
-    NodalField<dim> f(mesh.n_nodes()), U;
+    NodalField<dim> f(points.size()), U;
     for (auto &force : f)
       for (unsigned int a = 0; a < dim; ++a)
         force[a] = uniform(random);
 
     coupling->interpolate(*space, v, U);
+    ASSERT_EQ(U.size(), points.size());
     double power = 0, scale = 0;
     for (unsigned int i = 0; i < f.size(); ++i)
       {
@@ -79,9 +102,9 @@ namespace feib::testing
       EXPECT_EQ(U[i][1] == 0, mesh.nodes()[i][1] == 0) << "node " << i;
     VelocityVector load = space->make_velocity();
     coupling->spread(*space, f, load);
-    EXPECT_NEAR(load * v, power, 1e-12 * scale);
+    EXPECT_NEAR(load * v, power, 1e-12 * scale) << "the power of J^T f on v, and of f on J v";
     space->condense(load);
-    EXPECT_NEAR(load * v, power, 1e-12 * scale);
+    EXPECT_NEAR(load * v, power, 1e-12 * scale) << "the same after condensing";
 
     // The entries are those of J: applied to v and summed over the ranks they give U.
     std::vector<double> by_entries(f.size() * dim, 0.);
@@ -94,7 +117,7 @@ namespace feib::testing
     dealii::Utilities::MPI::sum(by_entries, MPI_COMM_WORLD, by_entries);
     for (unsigned int i = 0; i < f.size(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
-        EXPECT_NEAR(by_entries[i * dim + a], U[i][a], 1e-12);
+        EXPECT_NEAR(by_entries[i * dim + a], U[i][a], 1e-12) << "entries() of point " << i;
 
     // The total force arrives: the sum over a partition of unity.
     if (!periodic && !standing)
@@ -110,18 +133,19 @@ namespace feib::testing
         double expected = 0;
         for (unsigned int a = 0; a < dim; ++a)
           expected += sum[a];
-        EXPECT_NEAR(dealii::Utilities::MPI::sum(total, MPI_COMM_WORLD), expected, 1e-12 * scale);
+        EXPECT_NEAR(dealii::Utilities::MPI::sum(total, MPI_COMM_WORLD), expected, 1e-12 * scale)
+          << "the total force";
       }
   }
 
   /// A point outside the box, or nowhere, is refused on all ranks.
   template <int dim>
   void
-  check_refuses_points_outside(const std::string &name)
+  check_refuses_points_outside(const std::string &name, const std::string &parameters = "{}")
   {
     const auto space = make_space<dim>(dim == 2 ? "{\"cells\": [4, 4]}" : "{\"cells\": [2, 2, 2]}");
     const LagrangianMesh<dim> mesh = make_simplex_mesh<dim>(dim - 1, 2);
-    const auto coupling            = registry().create<CouplingOperator<dim>>(name);
+    const auto coupling            = registry().create<CouplingOperator<dim>>(name, parameters);
     for (const double bad : {1.5, std::nan("")})
       {
         Positions<dim> X(mesh.n_nodes());
@@ -133,35 +157,42 @@ namespace feib::testing
                      RunFailure);
       }
   }
+
+  /// The duality of a structure of dimension m in all settings, at nodes and within elements.
+  template <int dim>
+  void
+  check_all_dualities(const std::string &name, const unsigned int m, const std::string &parameters)
+  {
+    for (const bool refined : {false, true})
+      {
+        for (const bool periodic : {false, true})
+          for (const bool within : {false, true})
+            check_duality<dim>(name, m, refined, periodic, parameters, false, within);
+        check_duality<dim>(name, m, refined, m == dim, parameters, true);
+      }
+  }
 } // namespace feib::testing
 
-/// Runs the conformance kit on the coupling operator of this name.
-#define FEIB_TEST_COUPLING_OPERATOR(name)                                     \
-  TEST(CouplingOperatorKit, SpreadIsTheTransposeOfInterpolate)                \
-  {                                                                           \
-    for (const bool refined : {false, true})                                  \
-      for (const bool periodic : {false, true})                               \
-        {                                                                     \
-          feib::testing::check_duality<2>(name, 1, refined, periodic);        \
-          feib::testing::check_duality<2>(name, 2, refined, periodic);        \
-          feib::testing::check_duality<3>(name, 2, refined, periodic);        \
-          feib::testing::check_duality<3>(name, 3, refined, periodic);        \
-        }                                                                     \
-  }                                                                           \
-  TEST(CouplingOperatorKit, WhatStandsOnAWallStaysOnIt)                       \
-  {                                                                           \
-    for (const bool refined : {false, true})                                  \
-      {                                                                       \
-        feib::testing::check_duality<2>(name, 1, refined, false, "{}", true); \
-        feib::testing::check_duality<2>(name, 2, refined, true, "{}", true);  \
-        feib::testing::check_duality<3>(name, 2, refined, false, "{}", true); \
-        feib::testing::check_duality<3>(name, 3, refined, true, "{}", true);  \
-      }                                                                       \
-  }                                                                           \
-  TEST(CouplingOperatorKit, RefusesPointsOutsideTheBox)                       \
-  {                                                                           \
-    feib::testing::check_refuses_points_outside<2>(name);                     \
-    feib::testing::check_refuses_points_outside<3>(name);                     \
+/// Runs the conformance kit on the coupling operator of this name, for each example of its schema.
+#define FEIB_TEST_COUPLING_OPERATOR(name)                                        \
+  TEST(CouplingOperatorKit, SpreadIsTheTransposeOfInterpolate)                   \
+  {                                                                              \
+    feib::testing::for_each_example<feib::CouplingOperator<2>>(                  \
+      name, [](const std::string &block) {                                       \
+        for (const unsigned int codimension : {0, 1})                            \
+          {                                                                      \
+            feib::testing::check_all_dualities<2>(name, 2 - codimension, block); \
+            feib::testing::check_all_dualities<3>(name, 3 - codimension, block); \
+          }                                                                      \
+      });                                                                        \
+  }                                                                              \
+  TEST(CouplingOperatorKit, RefusesPointsOutsideTheBox)                          \
+  {                                                                              \
+    feib::testing::for_each_example<feib::CouplingOperator<2>>(                  \
+      name, [](const std::string &block) {                                       \
+        feib::testing::check_refuses_points_outside<2>(name, block);             \
+        feib::testing::check_refuses_points_outside<3>(name, block);             \
+      });                                                                        \
   }
 
 #endif

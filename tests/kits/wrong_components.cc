@@ -1,0 +1,425 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Components around right ones ("of"), each with the fault that its parameter names.
+#include <feib/output_writer.h>
+#include <feib/plugin.h>
+#include <feib/refinement_strategy.h>
+#include <feib/time_integrator.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace
+{
+  using namespace feib;
+
+  template <int dim>
+  class WrongScheme : public TimeIntegrator<dim>
+  {
+  public:
+    using Base   = TimeIntegrator<dim>;
+    using System = typename Base::System;
+
+    explicit WrongScheme(const Parameters &parameters)
+      : right(parameters.child("of").create<Base>())
+      , fault(parameters.string("fault"))
+    {}
+
+    typename Base::Report
+    step(System &system, const double time, const double dt) override
+    {
+      ++n_steps;
+      typename Base::Report report;
+      try
+        {
+          report = right->step(system, time, dt);
+        }
+      catch (const RunFailure &)
+        {
+          if (fault != "swallows failures")
+            throw;
+        }
+      Positions<dim> &X = system.structures[0].model->positions;
+      if (fault == "dissipates more")
+        report.dissipated *= 1.001;
+      else if (fault == "more power")
+        report.exchanges[0].power *= 1.001;
+      else if (fault == "no force")
+        report.exchanges[1].force = {};
+      else if (fault == "drifts")
+        for (dealii::Point<dim> &x : X)
+          x[0] += dt * dt * (x[1] - .5);
+      else if (fault == "counts steps that failed")
+        X[0][0] += 1e-9 * n_steps;
+      else if (fault == "moves by rank")
+        X[0][0] += 1e-5 * dealii::Utilities::MPI::this_mpi_process(system.space.communicator());
+      else if (fault == "moves what is old")
+        system.space.old_velocity *= 1.01;
+      return report;
+    }
+
+    void
+    archive(Archive &archive) override
+    {
+      if (fault != "forgets its past")
+        right->archive(archive);
+    }
+
+    typename Base::StabilityLimit
+    stability_limit(const System &system) const override
+    {
+      auto limit = right->stability_limit(system);
+      if (fault == "no limit")
+        return {};
+      if (fault == "negative limit")
+        limit.dt = -1;
+      if (fault == "limit of another")
+        limit.alternative = "fe_be";
+      return limit;
+    }
+
+    std::vector<std::pair<std::string, double>>
+    diagnostics(const System &system, const double dt) const override
+    {
+      auto columns = right->diagnostics(system, dt);
+      if (fault == "other columns")
+        columns.emplace_back("column " + std::to_string(n_steps), 0.);
+      return columns;
+    }
+
+  private:
+    const std::unique_ptr<Base> right;
+    const std::string fault;
+    unsigned int n_steps = 0;
+  };
+
+
+  template <int dim>
+  class WrongFluid : public FluidSolver<dim>
+  {
+  public:
+    using Base  = FluidSolver<dim>;
+    using Space = EulerianSpace<dim>;
+    using Load  = ImplicitLoad<dim>;
+
+    explicit WrongFluid(const Parameters &parameters)
+      : right(parameters.child("of").create<Base>())
+      , fault(parameters.string("fault"))
+    {}
+
+    void
+    initialize(Space &space, Load *inertia) override
+    {
+      right->initialize(space, inertia);
+    }
+
+    typename Base::Report
+    advance(Space &space, const typename Base::Step &step) override
+    {
+      typename Base::Step taken = step;
+      if (fault == "ignores implicit loads")
+        taken.implicit_load = nullptr;
+      auto report = right->advance(space, taken);
+      if (fault == "dissipates more")
+        report.dissipation *= 1.01;
+      else if (fault == "larger increment")
+        report.increment_energy *= 1.01;
+      else if (fault == "expands")
+        change(space, 1.01);
+      else if (fault == "slips")
+        change(space, 1., 1e-9);
+      else if (fault == "leaks")
+        for (unsigned int i = 0; i < space.velocity.locally_owned_size(); i += 3)
+          space.velocity.local_element(i) *= 1.01;
+      else if (fault == "moves what is old")
+        space.old_velocity *= 1 + 1e-9;
+      else if (fault == "moves by rank" &&
+               dealii::Utilities::MPI::n_mpi_processes(space.communicator()) > 1)
+        change(space, 1.001);
+      else if (fault == "counts steps")
+        change(space, 1 + 1e-9 * ++n_steps);
+      else if (fault == "counts commits")
+        change(space, 1 + 1e-9 * n_commits);
+      else if (fault == "gives way" && space.velocity.linfty_norm() < 1e-3)
+        change(space, 1., 1e-3);
+      return report;
+    }
+
+    void
+    commit() override
+    {
+      right->commit();
+      ++n_commits;
+    }
+
+    void
+    archive(Archive &archive) override
+    {
+      if (fault != "forgets its past")
+        right->archive(archive);
+      if (fault == "counts commits")
+        archive("commits", n_commits);
+    }
+
+    void
+    project(Space &space, Load *inertia) override
+    {
+      right->project(space, inertia);
+      if (fault == "projects too far")
+        change(space, .99);
+    }
+
+    void
+    find_pressure(Space &space, const typename Base::Step &step) override
+    {
+      right->find_pressure(space, step);
+      if (fault == "other pressure")
+        space.pressure *= 1.01;
+    }
+
+    double
+    density() const override
+    {
+      return right->density();
+    }
+
+    double
+    viscosity() const override
+    {
+      return right->viscosity();
+    }
+
+    typename Base::Balance
+    balance(const Space &space) override
+    {
+      auto result = right->balance(space);
+      if (fault == "heavier")
+        result.kinetic_energy *= 1.01;
+      else if (fault == "turned")
+        result.angular_momentum *= -1.;
+      return result;
+    }
+
+  private:
+    /// Multiplies what this rank has of the velocity and adds to it.
+    static void
+    change(Space &space, const double factor, const double shift = 0)
+    {
+      space.velocity.zero_out_ghost_values();
+      for (double &value : space.velocity)
+        value = factor * value + shift;
+      space.velocity.update_ghost_values();
+    }
+
+    const std::unique_ptr<Base> right;
+    const std::string fault;
+    unsigned int n_steps = 0, n_commits = 0;
+  };
+
+
+  template <int dim>
+  class WrongRefinement : public RefinementStrategy<dim>
+  {
+  public:
+    using Base       = RefinementStrategy<dim>;
+    using Structures = std::vector<ImmersedStructure<dim>>;
+
+    explicit WrongRefinement(const Parameters &parameters)
+      : right(parameters.child("of").create<Base>())
+      , fault(parameters.string("fault"))
+    {}
+
+    void
+    plan(const EulerianSpace<dim> &space, const Structures &structures) override
+    {
+      right->plan(space, structures);
+      ++n_plans;
+    }
+
+    void
+    mark(dealii::parallel::distributed::Triangulation<dim> &mesh,
+         const EulerianSpace<dim> &space,
+         const Structures &structures) const override
+    {
+      if (fault == "stays" && n_plans > 2)
+        return;
+      right->mark(mesh, space, structures);
+      // The level of the cell in the corner that is wanted beside.
+      const bool one_rank = dealii::Utilities::MPI::n_mpi_processes(space.communicator()) == 1;
+      const int wanted    = fault == "flickers"  ? (n_plans % 2 == 1 ? 5 : -1)
+                            : fault == "by rank" ? (one_rank ? 4 : 5)
+                            : fault == "forgets" ? (n_plans > 2 ? 5 : 4)
+                                                 : -1;
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned() && wanted > 0)
+          {
+            cell->clear_coarsen_flag();
+            if (cell->center().norm() < .51 * cell->diameter() && space.level(*cell) < wanted)
+              cell->set_refine_flag();
+          }
+    }
+
+    unsigned int
+    interval() const override
+    {
+      return right->interval();
+    }
+
+    double
+    forecast_cells(const EulerianSpace<dim> &space, const Structures &structures) const override
+    {
+      return right->forecast_cells(space, structures) + (fault == "forecasts more" ? 1 : 0);
+    }
+
+  private:
+    const std::unique_ptr<Base> right;
+    const std::string fault;
+    unsigned int n_plans = 0;
+  };
+
+
+  template <int dim>
+  class WrongWriter : public OutputWriter<dim>
+  {
+  public:
+    using Base = OutputWriter<dim>;
+
+    explicit WrongWriter(const Parameters &parameters)
+      : right(parameters.child("of").create<Base>())
+      , fault(parameters.string("fault"))
+    {}
+
+    void
+    archive(Archive &archive) override
+    {
+      if (fault != "forgets its files")
+        right->archive(archive);
+    }
+
+    unsigned int
+    interval() const override
+    {
+      return fault == "never" ? 0 : right->interval();
+    }
+
+    void
+    reopen(const std::string &directory) override
+    {
+      reopened = true;
+      if (fault == "does not miss files")
+        return;
+      right->reopen(directory);
+    }
+
+    void
+    write(const typename Base::Snapshot &snapshot) override
+    {
+      if (fault == "loses a row" && reopened && snapshot.step == 3)
+        return;
+      try
+        {
+          right->write(snapshot);
+          if (fault == "doubles a row" && reopened && snapshot.step == 3)
+            right->write(snapshot);
+        }
+      catch (const RunFailure &)
+        {
+          if (fault == "nameless failures")
+            throw RunFailure("cannot write");
+          if (fault != "swallows failures")
+            throw;
+        }
+    }
+
+  private:
+    const std::unique_ptr<Base> right;
+    const std::string fault;
+    bool reopened = false;
+  };
+
+
+  template <int dim>
+  class WrongCoupling : public CouplingOperator<dim>
+  {
+  public:
+    using Base  = CouplingOperator<dim>;
+    using Space = EulerianSpace<dim>;
+
+    explicit WrongCoupling(const Parameters &parameters)
+      : right(parameters.child("of").create<Base>())
+      , fault(parameters.string("fault"))
+    {}
+
+    void
+    set_geometry(const Space &space,
+                 const LagrangianMesh<dim> &mesh,
+                 const Positions<dim> &X,
+                 const LagrangianPoints &points) override
+    {
+      within = points.nodes_per_point > 1;
+      right->set_geometry(space, mesh, X, points);
+    }
+
+    void
+    interpolate(const Space &space, const VelocityVector &u, NodalField<dim> &U) const override
+    {
+      right->interpolate(space, u, U);
+      if (fault == "faster" || (fault == "faster within elements" && within))
+        for (auto &velocity : U)
+          velocity *= 1.001;
+    }
+
+    void
+    spread(const Space &space, const NodalField<dim> &f, VelocityVector &rhs) const override
+    {
+      right->spread(space, f, rhs);
+    }
+
+    MatrixEntries
+    entries(const Space &space) const override
+    {
+      MatrixEntries result = right->entries(space);
+      if (fault == "lacks entries" && !result.empty())
+        result.pop_back();
+      return result;
+    }
+
+  private:
+    const std::unique_ptr<Base> right;
+    const std::string fault;
+    bool within = false;
+  };
+
+
+  std::string
+  schema(const std::string &kind, const std::string &example)
+  {
+    return R"({
+      "type": "object", "additionalProperties": false, "description": "A component with a fault.",
+      "required": ["of"],
+      "properties": {
+        "of": { "slot": ")" +
+           kind + R"(", "description": "What would be right." },
+        "fault": { "type": "string", "default": "none", "description": "What is wrong." }
+      },
+      "examples": [ { "of": )" +
+           example + " } ] }";
+  }
+} // namespace
+
+FEIB_PLUGIN("wrong_components", "1.0", registry)
+{
+  registry.add<TimeIntegrator, WrongScheme>("wrong_scheme",
+                                            schema("time_integrator", R"({"midpoint": {}})"));
+  registry.add<FluidSolver, WrongFluid>(
+    "wrong_fluid",
+    schema("fluid_solver", R"({"navier_stokes": {"density": 1.3, "viscosity": 0.05}})"));
+  registry.add<RefinementStrategy, WrongRefinement>("wrong_refinement",
+                                                    schema("refinement_strategy",
+                                                           R"({"immersed_cells": {"level": 3}})"));
+  registry.add<OutputWriter, WrongWriter>(
+    "wrong_writer",
+    schema("output_writer",
+           R"({"probe": {"name": "a", "at": {"points": {"places": [[0.5, 0.5]]}}}})"));
+  registry.add<CouplingOperator, WrongCoupling>("wrong_coupling",
+                                                schema("coupling_operator",
+                                                       R"({"variational": {}})"));
+}
