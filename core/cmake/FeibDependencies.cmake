@@ -50,4 +50,12 @@ if(NOT TARGET Feib::dealii)
   target_link_libraries(Feib::dealii INTERFACE
     ${feib_dealii_file} ${FEIB_PETSC} ${FEIB_TBB} ${FEIB_P4EST} ${FEIB_SC} ${FEIB_TEUCHOS} ${FEIB_TEUCHOS_COMM}
     ${FEIB_BOOST_IOSTREAMS} ${FEIB_BOOST_SERIALIZATION} ${feib_kokkos} MPI::MPI_CXX)
+  # deal.II is so large a library that the usual linker takes several times as long as these two.
+  foreach(linker lld gold)
+    find_program(FEIB_LINKER_${linker} ld.${linker})
+    if(FEIB_LINKER_${linker})
+      target_link_options(Feib::dealii INTERFACE -fuse-ld=${linker})
+      break()
+    endif()
+  endforeach()
 endif()

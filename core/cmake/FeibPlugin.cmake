@@ -42,7 +42,7 @@ function(feib_add_base interface)
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(${name} PUBLIC Feib::core ${arg_LIBRARIES})
   feib_precompile(${name})
-  install(TARGETS ${name} ARCHIVE DESTINATION lib)
+  install(TARGETS ${name} EXPORT FeibTargets ARCHIVE DESTINATION lib)
   install(DIRECTORY include/ DESTINATION include)
   if(arg_TESTS AND FEIB_TESTS)
     feib_add_test(${interface}_base_test SOURCES ${arg_TESTS} LIBRARIES ${name})
@@ -52,7 +52,8 @@ endfunction()
 # feib_add_plugin(<name> SOURCES <file>... SCHEMAS <file>.schema.json... [TESTS <file>...]
 #                 [BASE <interface>] [LIBRARIES <library>...])
 # builds <name>.feib.so with the schemas embedded, and a GoogleTest that loads it. BASE: the plugin
-# builds on what feib_add_base(<interface>) has built.
+# builds on what feib_add_base(<interface>) has built. FEIB_TEMPLATE: it is one of Feib's templates, built
+# so that it is known to build, and neither installed nor found by a run.
 function(feib_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "BASE" "SOURCES;SCHEMAS;TESTS;LIBRARIES")
   if(arg_BASE)
@@ -60,7 +61,8 @@ function(feib_add_plugin name)
   endif()
   add_library(${name} MODULE ${arg_SOURCES})
   set_target_properties(${name} PROPERTIES
-    PREFIX "" SUFFIX ".feib.so" LIBRARY_OUTPUT_DIRECTORY ${FEIB_PLUGIN_OUTPUT_DIRECTORY})
+    PREFIX "" SUFFIX ".feib.so" LIBRARY_OUTPUT_DIRECTORY ${FEIB_PLUGIN_OUTPUT_DIRECTORY}
+    BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH $ORIGIN/../..)
   target_link_libraries(${name} PRIVATE Feib::core ${arg_LIBRARIES})
   # Nothing but feib_plugin is seen from outside: two plugins may call two things by one name.
   set(exports ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/plugin.map)
@@ -68,9 +70,11 @@ function(feib_add_plugin name)
   set_target_properties(${name} PROPERTIES LINK_DEPENDS ${exports})
   feib_embed(${name} ${arg_SCHEMAS})
   feib_precompile(${name})
-  install(TARGETS ${name} LIBRARY DESTINATION lib/feib/plugins)
-  if(TARGET feib_run)
-    add_dependencies(feib_run ${name})
+  if(NOT FEIB_TEMPLATE)
+    install(TARGETS ${name} LIBRARY DESTINATION lib/feib/plugins)
+    if(TARGET feib_run)
+      add_dependencies(feib_run ${name})
+    endif()
   endif()
   if(arg_TESTS AND FEIB_TESTS)
     feib_add_test(${name}_test SOURCES ${arg_TESTS} LIBRARIES ${arg_LIBRARIES})
@@ -81,7 +85,8 @@ endfunction()
 # feib_add_test(<name> SOURCES <file>... [LIBRARIES <library>...] [KIND unit|host|case] [RANKS <n>...]
 #               [SLOW] [UNREGISTERED])
 # builds a GoogleTest program and registers it with ctest once for each number of MPI ranks (by
-# default one rank; not at all when UNREGISTERED). The tests find the plugins of the build tree.
+# default one rank; not at all when UNREGISTERED). The tests find the plugins that are built with them,
+# and Feib's own.
 # Of Feib's own build, the target feib_unit_tests is all that `ctest -L unit` needs.
 function(feib_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SLOW;UNREGISTERED" "KIND" "SOURCES;LIBRARIES;RANKS")
@@ -134,7 +139,10 @@ function(feib_test_on_ranks program ranks)
     list(APPEND labels slow)
   endif()
   add_test(NAME ${test} COMMAND ${command})
+  set(environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_hwloc_base_binding_policy=none)
+  if(FEIB_TEMPLATE OR NOT TARGET feib_core) # Feib finds its own
+    list(APPEND environment FEIB_PLUGIN_PATH=${FEIB_PLUGIN_OUTPUT_DIRECTORY})
+  endif()
   set_tests_properties(${test} PROPERTIES
-    PROCESSORS ${ranks} TIMEOUT 600 LABELS "${labels}"
-    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_hwloc_base_binding_policy=none")
+    PROCESSORS ${ranks} TIMEOUT 600 LABELS "${labels}" ENVIRONMENT "${environment}")
 endfunction()

@@ -296,15 +296,13 @@ namespace feib
           if (!directory.empty())
             add(directory);
       }
-    // Beside the core's library: lib/feib/plugins when installed, plugins in a build tree.
-    const std::filesystem::path library = boost::dll::this_line_location().parent_path();
-    const std::filesystem::path built   = FEIB_BUILD_PLUGINS;
+    // Beside the core's library, as installed as in a build tree.
     std::error_code ignored;
-    if (std::filesystem::is_directory(library / "feib" / "plugins"))
-      add(library / "feib" / "plugins");
-    else if (std::filesystem::is_directory(built) &&
-             std::filesystem::equivalent(built.parent_path(), library.parent_path(), ignored))
-      add(built);
+    const std::filesystem::path own =
+      std::filesystem::weakly_canonical(boost::dll::this_line_location(), ignored).parent_path() /
+      "feib" / "plugins";
+    if (std::filesystem::is_directory(own, ignored))
+      add(own.string());
     return path;
   }
 } // namespace feib

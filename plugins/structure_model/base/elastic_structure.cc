@@ -176,9 +176,8 @@ namespace feib
         if (J < worst.value)
           worst = {J, static_cast<int>(e)};
       }
-    const int ierr = MPI_Allreduce(
+    MPI_Allreduce(
       MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MINLOC, reference_mesh.communicator());
-    AssertThrowMPI(ierr);
     if (worst.value > 0)
       return nullptr;
     return std::make_unique<Inverted>(
