@@ -32,6 +32,11 @@ namespace feib
         ("list-plugins", "what was found, and why a plugin was skipped")
         ("describe", po::value<std::string>()->value_name("NAME"), "the parameters of a component")
         ("json", "with --describe: its JSON Schema")
+        ("new-plugin", po::value<std::string>()->value_name("KIND NAME"),
+         "write the beginning of a plugin, a component of that kind (e.g. constitutive_law): sources, test, case")
+        ("energy-only", "with --new-plugin constitutive_law: a law that is given by its energy alone")
+        ("dir", po::value<std::string>()->value_name("DIR"),
+         "with --new-plugin: the folder to make; when not given NAME")
         ("schema", "print the JSON Schema of cases, for the plugins found")
         ("log-level", po::value<std::string>()->default_value("info")->value_name("L"),
          "trace, debug, info, warning, error or off")
@@ -49,6 +54,37 @@ namespace feib
       const std::filesystem::path folder = file.parent_path().filename();
       const bool named_by_folder         = file.filename() == "case.json" && !folder.empty();
       return (std::filesystem::path("output") / (named_by_folder ? folder : file.stem())).string();
+    }
+
+
+    /// Of no kind when none is asked for.
+    NewPlugin
+    plugin_to_write(const po::variables_map &values, const std::vector<std::string> &names)
+    {
+      NewPlugin plugin;
+      plugin.energy_only = values.count("energy-only") != 0;
+      if (values.count("dir") != 0)
+        plugin.directory = values["dir"].as<std::string>();
+      if (values.count("new-plugin") == 0)
+        {
+          if (plugin.energy_only || !plugin.directory.empty())
+            throw Error("--energy-only and --dir go with --new-plugin KIND NAME");
+          return plugin;
+        }
+      plugin.kind = values["new-plugin"].as<std::string>();
+      if (names.size() != 1 || plugin.kind.empty())
+        throw Error("--new-plugin takes a kind and a name; write --new-plugin constitutive_law "
+                    "my_law");
+      if (plugin.energy_only && plugin.kind != "constitutive_law")
+        throw Error("--energy-only goes with --new-plugin constitutive_law NAME");
+      for (const char *const option : {"restart", "output", "overwrite", "set", "validate"})
+        if (values.count(option) != 0)
+          throw Error(std::string("--new-plugin runs no case: --") + option +
+                      " does not go with it");
+      plugin.name = names[0];
+      if (plugin.directory.empty())
+        plugin.directory = plugin.name;
+      return plugin;
     }
   } // namespace
 
@@ -107,6 +143,9 @@ namespace feib
       restart = values["restart"].as<std::string>();
     const auto cases = values.count("case") != 0 ? values["case"].as<std::vector<std::string>>()
                                                  : std::vector<std::string>();
+    new_plugin       = plugin_to_write(values, cases);
+    if (!new_plugin.kind.empty())
+      return;
     if (cases.size() > 1)
       throw Error("one case at a time, found " + cases[0] + " and " + cases[1]);
     if (!restart.empty())
@@ -138,6 +177,7 @@ namespace feib
     std::ostringstream text;
     text << "feib-host CASE.json [options]\n"
             "feib-host --restart DIR [options]\n"
+            "feib-host --new-plugin KIND NAME [--energy-only] [--dir DIR]\n"
             "Runs an immersed fluid-structure simulation.\n\n"
          << options()
          << "\nExit codes: 0 done, 1 trouble while running, 2 a case or a command line that cannot "

@@ -4,6 +4,8 @@
 
 #include <feib/case.h>
 
+#include "new_plugin.h"
+
 #include <string>
 #include <vector>
 
@@ -24,6 +26,7 @@ namespace feib
     Case::Settings settings;
     std::vector<std::string> plugin_path;
     std::string describe;
+    NewPlugin new_plugin; // of no kind: none is to be written
     std::string log_level;
 
     bool validate     = false;

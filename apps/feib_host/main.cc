@@ -376,6 +376,28 @@ namespace
   }
 
 
+  /// Rank 0 writes, and all learn of an error.
+  int
+  write_new_plugin(const NewPlugin &plugin, const Registry &registry)
+  {
+    std::string written;
+    const std::string problem = on_rank_0([&]() -> std::string {
+      try
+        {
+          written = write(plugin, registry);
+        }
+      catch (const Error &error)
+        {
+          return error.issues()[0].message;
+        }
+      return "";
+    });
+    if (!problem.empty())
+      throw Error(problem);
+    return print(written), 0;
+  }
+
+
   /// Returns the exit code. Throws Error and RunFailure on all ranks alike.
   int
   execute(const CommandLine &command)
@@ -407,6 +429,9 @@ namespace
       }
     if (command.schema)
       return print(Schema::compose(registry).text() + "\n"), 0;
+
+    if (!command.new_plugin.kind.empty())
+      return write_new_plugin(command.new_plugin, registry);
 
     if (!command.validate && command.restart.empty())
       if (const std::string problem =

@@ -1,0 +1,149 @@
+#include <feib/coupling_operator.h>
+#include <feib/error.h>
+#include <feib/plugin.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <sstream>
+
+#include "my_coupling_schema.h"
+
+namespace my_coupling_plugin
+{
+  using namespace feib;
+
+  /// J u at a point is the finite element velocity there, (J u)_q = u_h(x_q) = sum_i phi_i(x_q)
+  /// u_i, in a wall that nothing can cross what it is along the wall; and J^T f = sum_q phi_i(x_q)
+  /// f_q. interpolate(), spread() and entries() are one matrix: what one does, the others do.
+  template <int dim>
+  class MyCoupling : public CouplingOperator<dim>
+  {
+  public:
+    explicit MyCoupling(const Parameters &)
+    {}
+
+    void set_geometry(const EulerianSpace<dim> &space,
+                      const LagrangianMesh<dim> &mesh,
+                      const Positions<dim> &X,
+                      const LagrangianPoints &points) override;
+
+    void interpolate(const EulerianSpace<dim> &space,
+                     const VelocityVector &u,
+                     NodalField<dim> &U) const override;
+
+    void spread(const EulerianSpace<dim> &space,
+                const NodalField<dim> &f,
+                VelocityVector &rhs) const override;
+
+    MatrixEntries entries(const EulerianSpace<dim> &space) const override;
+
+  private:
+    static constexpr unsigned int n = EulerianSpace<dim>::n_nodes;
+
+    // The points in this rank's cells, with the values of the shape functions of the cell there.
+    struct Located
+    {
+      unsigned int point, cell;
+      std::array<bool, dim> held; // components that are zero
+      double values[n];
+    };
+    std::vector<Located> located;
+    unsigned int n_points = 0;
+  };
+
+
+  template <int dim>
+  void
+  MyCoupling<dim>::set_geometry(const EulerianSpace<dim> &space,
+                                const LagrangianMesh<dim> &,
+                                const Positions<dim> &X,
+                                const LagrangianPoints &points)
+  {
+    const Positions<dim> x = points.positions(X);
+    n_points               = x.size();
+    located.clear();
+    Located entry;
+    dealii::Point<dim> unit;
+    for (entry.point = 0; entry.point < n_points; ++entry.point)
+      {
+        // Positions are the same on all ranks, so all of them throw.
+        if (!space.forest().inside(x[entry.point]))
+          {
+            std::ostringstream message;
+            message << "point " << entry.point << " of a structure is at (" << x[entry.point]
+                    << "), outside the box";
+            throw RunFailure(message.str());
+          }
+        entry.cell = space.forest().locate(x[entry.point], unit);
+        if (entry.cell == CartesianForest<dim>::not_here)
+          continue;
+        entry.held = space.domain().held(x[entry.point]);
+        EulerianSpace<dim>::shape_values(unit, entry.values);
+        located.push_back(entry);
+      }
+  }
+
+
+  template <int dim>
+  void
+  MyCoupling<dim>::interpolate(const EulerianSpace<dim> &space,
+                               const VelocityVector &u,
+                               NodalField<dim> &U) const
+  {
+    std::vector<double> values(n_points * dim, 0.);
+    for (const Located &entry : located)
+      {
+        const unsigned int *dofs = space.velocity_dofs(entry.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
+            values[entry.point * dim + a] += entry.values[i] * u.local_element(dofs[a * n + i]);
+      }
+    dealii::Utilities::MPI::sum(values, space.communicator(), values);
+    U.resize(n_points);
+    for (unsigned int q = 0; q < n_points; ++q)
+      for (unsigned int a = 0; a < dim; ++a)
+        U[q][a] = values[q * dim + a];
+  }
+
+
+  template <int dim>
+  void
+  MyCoupling<dim>::spread(const EulerianSpace<dim> &space,
+                          const NodalField<dim> &f,
+                          VelocityVector &rhs) const
+  {
+    rhs.zero_out_ghost_values();
+    for (const Located &entry : located)
+      {
+        const unsigned int *dofs = space.velocity_dofs(entry.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
+            rhs.local_element(dofs[a * n + i]) += entry.values[i] * f[entry.point][a];
+      }
+    rhs.compress(dealii::VectorOperation::add);
+  }
+
+
+  template <int dim>
+  MatrixEntries
+  MyCoupling<dim>::entries(const EulerianSpace<dim> &space) const
+  {
+    MatrixEntries result;
+    for (const Located &entry : located)
+      {
+        const unsigned int *dofs = space.velocity_dofs(entry.cell);
+        for (unsigned int a = 0; a < dim; ++a)
+          for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
+            result.push_back({std::uint64_t(entry.point) * dim + a,
+                              space.velocity.get_partitioner()->local_to_global(dofs[a * n + i]),
+                              entry.values[i]});
+      }
+    return result;
+  }
+} // namespace my_coupling_plugin
+
+FEIB_PLUGIN("my_coupling", "1.0", registry)
+{
+  registry.add<feib::CouplingOperator, my_coupling_plugin::MyCoupling>("my_coupling",
+                                                                       my_coupling_schema);
+}
