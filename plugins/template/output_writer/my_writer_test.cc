@@ -1,12 +1,4 @@
-#include <feib/output_writer.h>
-#include <feib/testing/plugins.h>
+#include <feib/testing/output_writer_kit.h>
 
-#include <gtest/gtest.h>
-
-TEST(MyWriter, IsMade)
-{
-  const auto writer =
-    feib::testing::registry().create<feib::OutputWriter<2>>("my_writer", R"({"interval": 3})");
-  EXPECT_EQ(writer->interval(), 3u);
-  EXPECT_NO_THROW(feib::testing::registry().create<feib::OutputWriter<3>>("my_writer"));
-}
+// It goes on with its files, misses those that are gone, says what cannot be written.
+FEIB_TEST_OUTPUT_WRITER("my_writer");

@@ -1,10 +1,4 @@
-#include <feib/testing/plugins.h>
-#include <feib/time_integrator.h>
+#include <feib/testing/time_integrator_kit.h>
 
-#include <gtest/gtest.h>
-
-TEST(MyScheme, IsMade)
-{
-  EXPECT_NO_THROW(feib::testing::registry().create<feib::TimeIntegrator<2>>("my_scheme"));
-  EXPECT_NO_THROW(feib::testing::registry().create<feib::TimeIntegrator<3>>("my_scheme"));
-}
+// Energy and momentum balance, the order is 1, steps can be undone, checkpoints, ranks.
+FEIB_TEST_TIME_INTEGRATOR("my_scheme", 1);
