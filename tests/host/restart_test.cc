@@ -362,11 +362,13 @@ namespace
   }
 
 
+  // MUMPS on several ranks adds in an order that depends on time: no two runs are the same.
   TEST(Restart, OnTwoRanksToTheBit)
   {
     const TemporaryFolder folder;
-    json document               = disc_case();
-    document["time"]["control"] = {{"fixed", json::object()}};
+    json document                                       = disc_case();
+    document["fluid"]["navier_stokes"]["linear_solver"] = "multigrid";
+    document["time"]["control"]                         = {{"fixed", json::object()}};
     const std::string whole     = run_in_pieces(folder, document, {.4}, {2});
     expect_same_ledger(run_in_pieces(folder, document, {.2, .4}, {2, 2}), whole);
   }
