@@ -369,7 +369,7 @@ namespace
     json document                                       = disc_case();
     document["fluid"]["navier_stokes"]["linear_solver"] = "multigrid";
     document["time"]["control"]                         = {{"fixed", json::object()}};
-    const std::string whole     = run_in_pieces(folder, document, {.4}, {2});
+    const std::string whole = run_in_pieces(folder, document, {.4}, {2});
     expect_same_ledger(run_in_pieces(folder, document, {.2, .4}, {2, 2}), whole);
   }
 

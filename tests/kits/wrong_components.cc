@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Components around right ones ("of"), each with the fault that its parameter names.
+#include <feib/constitutive_law.h>
 #include <feib/output_writer.h>
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
 #include <feib/time_integrator.h>
 
 #include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <limits>
 
 namespace
 {
@@ -389,6 +393,124 @@ namespace
   };
 
 
+  template <int structure_dim, int dim>
+  class WrongLaw : public ConstitutiveLaw<structure_dim, dim>
+  {
+  public:
+    using Base   = ConstitutiveLaw<structure_dim, dim>;
+    using Matrix = typename Base::Matrix;
+
+    explicit WrongLaw(const Parameters &parameters)
+      : right(parameters.child("of").create<Base>())
+      , fault(parameters.string("fault"))
+    {}
+
+    void
+    set_points(const std::vector<typename Base::MaterialPoint> &points) override
+    {
+      right->set_points(points);
+    }
+
+    void
+    energy(const std::vector<Matrix> &F, std::vector<double> &W) const override
+    {
+      right->energy(F, W);
+      for (unsigned int q = 0; q < F.size(); ++q)
+        if (fault == "half the energy")
+          W[q] *= .5;
+        else if (fault == "depends on the observer")
+          W[q] += .1 * F[q][0][0];
+        else if (fault == "another when asked again")
+          W[q] += 1e-6 * ++n_calls;
+        else if (fault == "not a number at rest" && at_rest(F[q]))
+          W[q] = std::nan("");
+        else if (fault == "depends on others")
+          W[q] += 1e-6 * W[0] * (F.size() - 1.);
+        else if (fault == "infinite where stretched" && F[q][0].norm() > 1.2)
+          W[q] = std::numeric_limits<double>::infinity();
+      if (fault == "one value too few")
+        W.pop_back();
+      if (fault == "throws")
+        throw RunFailure("the law has no value");
+    }
+
+    void
+    stress(const std::vector<Matrix> &F, std::vector<Matrix> &P) const override
+    {
+      right->stress(F, P);
+      for (unsigned int q = 0; q < F.size(); ++q)
+        if (fault == "sign")
+          P[q] *= -1.;
+        else if (fault == "factor two")
+          P[q] *= 2.;
+        else if (fault == "transposed")
+          P[q] = transposed(P[q]);
+        else if (fault == "depends on the observer")
+          P[q][0][0] += .1;
+        else if (fault == "stress of an observer")
+          P[q][0][0] += .1;
+        else if (fault == "a term missing")
+          P[q][0] -= .1 * F[q][0];
+        else if (fault == "no energy for it" || fault == "no energy, derivative right")
+          P[q][0] += .1 * F[q][1];
+        else if (fault == "not a number at rest, stress" && at_rest(F[q]))
+          P[q][0][0] = std::nan("");
+    }
+
+    void
+    stress_derivative(const std::vector<Matrix> &F,
+                      const std::vector<Matrix> &dF,
+                      std::vector<Matrix> &dP) const override
+    {
+      right->stress_derivative(F, dF, dP);
+      for (unsigned int q = 0; q < F.size(); ++q)
+        if (fault == "derivative too stiff")
+          dP[q] *= 1.01;
+        else if (fault == "derivative without a row")
+          dP[q][0] = {};
+        else if (fault == "no energy, derivative right")
+          dP[q][0] += .1 * dF[q][1];
+    }
+
+    bool
+    linear() const override
+    {
+      return fault == "says it is linear" || right->linear();
+    }
+
+    bool
+    needs_positive_determinant() const override
+    {
+      return fault != "says it is defined everywhere" && right->needs_positive_determinant();
+    }
+
+  private:
+    static bool
+    at_rest(const Matrix &F)
+    {
+      double distance = 0;
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int k = 0; k < structure_dim; ++k)
+          distance += std::abs(F[i][k] - (i == k));
+      return distance == 0;
+    }
+
+    static Matrix
+    transposed(const Matrix &A)
+    {
+      Matrix result = A;
+      for (unsigned int i = 0; i < structure_dim; ++i)
+        for (unsigned int k = 0; k < structure_dim; ++k)
+          result[i][k] = A[k][i];
+      return result;
+    }
+
+    const std::unique_ptr<Base> right;
+    const std::string fault;
+    mutable unsigned int n_calls = 0;
+  };
+
+
   std::string
   schema(const std::string &kind, const std::string &example)
   {
@@ -419,6 +541,9 @@ FEIB_PLUGIN("wrong_components", "1.0", registry)
     "wrong_writer",
     schema("output_writer",
            R"({"probe": {"name": "a", "at": {"points": {"places": [[0.5, 0.5]]}}}})"));
+  registry.add<ConstitutiveLaw, WrongLaw>(
+    "wrong_law",
+    schema("constitutive_law", R"({"neo_hookean": {"shear_modulus": 1.5, "stress_free": true}})"));
   registry.add<CouplingOperator, WrongCoupling>("wrong_coupling",
                                                 schema("coupling_operator",
                                                        R"({"variational": {}})"));

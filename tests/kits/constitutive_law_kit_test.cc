@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "kit_test.h"
+
+#include <feib/testing/constitutive_law_kit.h>
+
+// Without a fault the kit finds none.
+FEIB_TEST_CONSTITUTIVE_LAW("wrong_law");
+
+namespace
+{
+  using namespace feib::testing;
+
+  using Requirement = void (*)(const std::string &, const std::string &);
+
+  struct Fault
+  {
+    Requirement requirement;
+    const char *name, *sentence;
+  };
+} // namespace
+
+TEST(ConstitutiveLawKitItself, NamesWhatIsWrong)
+{
+  const Fault faults[] = {
+    {check_stress, "sign", "P : dF is -1 times the change of W"},
+    {check_stress, "factor two", "P : dF is 2 times the change of W"},
+    {check_stress, "half the energy", "P : dF is 2 times the change of W"},
+    {check_stress, "transposed", "P is not dW/dF"},
+    {check_stress, "a term missing", "P is not dW/dF"},
+    {check_stress, "no energy for it", "P is not dW/dF"},
+    {check_stress, "infinite where stretched", "P is not dW/dF"},
+    {check_stress, "throws", "the law has no value"},
+    {check_stress, "one value too few", "one value for each point"},
+    {check_stress_derivative, "derivative too stiff", "dP is not the derivative of P"},
+    {check_stress_derivative, "derivative without a row", "dP is not the derivative of P"},
+    {check_symmetry, "no energy, derivative right", "no second derivative of an energy"},
+    {check_frame_indifference, "depends on the observer", "W(Q F) is not W(F)"},
+    {check_frame_indifference, "stress of an observer", "P(Q F) is not Q P(F)"},
+    {check_linear, "says it is linear", "linear() is true"},
+    {check_domain, "says it is defined everywhere", "needs_positive_determinant()"},
+    {check_rest, "not a number at rest", "W is not finite at F = I"},
+    {check_rest, "not a number at rest, stress", "P is not finite at F = I"},
+    {check_rest, "another when asked again", "W is another when it is asked for again"},
+    {check_arrays, "depends on others", "the energy of a point depends on the points around it"}};
+  for (const Fault &fault : faults)
+    expect_named(fault.requirement,
+                 "wrong_law",
+                 R"({"neo_hookean": {"shear_modulus": 1.5, "stress_free": true}})",
+                 fault.name,
+                 fault.sentence);
+}
