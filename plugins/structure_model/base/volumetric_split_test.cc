@@ -16,7 +16,7 @@ namespace feib::testing
     for_each_split(const bool deviatoric, const double k, const Check &check) const
     {
       SCOPED_TRACE("deviatoric: " + std::to_string(deviatoric) + ", k = " + std::to_string(k));
-      for_each_sample([&](auto &sample) {
+      const auto split = [&](auto &sample) {
         constexpr int dim           = std::decay_t<decltype(sample.F[0])>::dimension;
         constexpr int structure_dim = std::decay_t<decltype(sample.F[0][0])>::dimension;
         if constexpr (structure_dim == dim)
@@ -26,6 +26,9 @@ namespace feib::testing
             sample.law->set_points(sample.points);
             check(sample);
           }
+      };
+      for_examples([&](const std::string &law, const std::string &example) {
+        for_each_law(law, example, split);
       });
     }
 

@@ -173,13 +173,13 @@ namespace feib::testing
   inline bool
   ranks_agree(const SchemeTrial<2> &trial)
   {
-    using namespace dealii::Utilities;
     for (unsigned int s = 0; s < trial.structures.size(); ++s)
       for (unsigned int i = 0; i < trial.structures[s].nodes.size(); ++i)
         for (unsigned int a = 0; a < 2; ++a)
           {
-            const double x   = trial.structures[s].model->positions[i][a],
-                         max = MPI::max(x, MPI_COMM_WORLD), min = MPI::min(x, MPI_COMM_WORLD);
+            const double x   = trial.structures[s].model->positions[i][a];
+            const double max = dealii::Utilities::MPI::max(x, MPI_COMM_WORLD);
+            const double min = dealii::Utilities::MPI::min(x, MPI_COMM_WORLD);
             if (max != min)
               {
                 ADD_FAILURE() << "node " << i << " of structure " << s
