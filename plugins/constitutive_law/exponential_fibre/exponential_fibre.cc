@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/energy_law.h>
+#include <feib/message.h>
 #include <feib/plugin.h>
 
 #include "exponential_fibre_schema.h"
@@ -18,7 +19,13 @@ namespace feib
       , k2(parameters.number("k2"))
       , kappa(parameters.number("dispersion"))
       , fibres(parameters)
-    {}
+    {
+      if (m * kappa > 1)
+        parameters.fail("dispersion",
+                        "must be at most 1/" + std::to_string(m) +
+                          ", no direction at all, for a structure of dimension " +
+                          std::to_string(m) + "; found " + readable(kappa));
+    }
 
     void
     set_points(

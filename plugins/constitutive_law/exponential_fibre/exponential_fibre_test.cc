@@ -88,3 +88,18 @@ TEST(ExponentialFibre, WithoutDirectionItIsIsotropic)
       EXPECT_NEAR(W, std::exp(E * E) - 1, 1e-12);
     }
 }
+
+TEST(ExponentialFibre, DispersionBeyondNoDirectionIsRefused)
+{
+  const auto create = [](const std::string &dispersion, const std::string &fibre) {
+    return R"({"c": 1, "k1": 2, "k2": 1, "fibres": [)" + fibre + R"(], "dispersion": )" +
+           dispersion + "}";
+  };
+  EXPECT_THROW((registry().create<feib::ConstitutiveLaw<3, 3>>("exponential_fibre",
+                                                               create("0.34", "[1, 0, 0]"))),
+               feib::Error);
+  EXPECT_NO_THROW((registry().create<feib::ConstitutiveLaw<3, 3>>("exponential_fibre",
+                                                                  create("0.33", "[1, 0, 0]"))));
+  EXPECT_NO_THROW(
+    (registry().create<feib::ConstitutiveLaw<2, 2>>("exponential_fibre", create("0.5", "[1, 0]"))));
+}

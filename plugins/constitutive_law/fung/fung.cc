@@ -18,7 +18,12 @@ namespace feib
       , b_t(parameters.number("b_t"))
       , b_fs(parameters.number("b_fs"))
       , fibres(parameters)
-    {}
+    {
+      if (fibres.n_families() > 1)
+        parameters.fail("fibres",
+                        "has " + std::to_string(fibres.n_families()) +
+                          " families; this law has one direction of fibres");
+    }
 
     void
     set_points(

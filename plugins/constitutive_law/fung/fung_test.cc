@@ -34,3 +34,10 @@ TEST(Fung, ShearOfFibres)
   EXPECT_NEAR(W, .3 * (std::exp(Q) - 1), 1e-12);
   EXPECT_NEAR(P[0][1], .3 * std::exp(Q) * (.7 * g * g * g + 1.1 * g), 1e-12);
 }
+
+TEST(Fung, HasOneDirection)
+{
+  EXPECT_THROW((registry().create<feib::ConstitutiveLaw<2, 2>>(
+                 "fung", R"({"c": 1, "b_f": 2, "b_t": 1, "b_fs": 1, "fibres": [[1, 0], [0, 1]]})")),
+               feib::Error);
+}
