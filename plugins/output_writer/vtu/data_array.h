@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -32,7 +33,9 @@ namespace feib
                                  reinterpret_cast<const Bytef *>(values.data()),
                                  n_bytes,
                                  Z_BEST_SPEED);
-    AssertThrow(status == Z_OK, dealii::ExcInternalError());
+    if (status != Z_OK)
+      throw std::runtime_error("zlib cannot compress an array of " + std::to_string(n_bytes) +
+                               " bytes (error " + std::to_string(status) + ")");
     packed.resize(n_packed);
     const std::uint32_t sizes[] = {1,
                                    std::uint32_t(n_bytes),
