@@ -39,6 +39,8 @@ TEST(TimeIntegratorKitItself, NamesAnOrderThatIsNotReached)
 
 TEST(TimeIntegratorKitItself, NamesStateThatIsForgotten)
 {
+  expect_named(check_inelastic, "forgets what is inelastic", "the balance of the step");
+  expect_named(check_inelastic, "another time", "what structure 1 loses");
   expect_named(check_undo<2>, "forgets its past", "number");
   expect_named(check_undo<2>, "counts steps that failed", "number");
   expect_named(check_undo<3>, "swallows failures", "the fluid's failure is the step's");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Components around right ones ("of"), each with the fault that its parameter names.
-#include <feib/constitutive_law.h>
+#include <feib/modified_law.h>
 #include <feib/output_writer.h>
 #include <feib/plugin.h>
 #include <feib/refinement_strategy.h>
@@ -48,6 +48,10 @@ namespace
         report.exchanges[0].power *= 1.001;
       else if (fault == "no force")
         report.exchanges[1].force = {};
+      else if (fault == "forgets what is inelastic")
+        report.exchanges[1].inelastic = 0;
+      else if (fault == "another time")
+        system.structures[1].model->set_moment(time, 0.);
       else if (fault == "drifts")
         for (dealii::Point<dim> &x : X)
           x[0] += dt * dt * (x[1] - .5);
@@ -394,27 +398,22 @@ namespace
 
 
   template <int structure_dim, int dim>
-  class WrongLaw : public ConstitutiveLaw<structure_dim, dim>
+  class WrongLaw : public ModifiedLaw<structure_dim, dim>
   {
   public:
     using Base   = ConstitutiveLaw<structure_dim, dim>;
     using Matrix = typename Base::Matrix;
+    using State  = std::vector<std::vector<double>>;
 
     explicit WrongLaw(const Parameters &parameters)
-      : right(parameters.child("of").create<Base>())
+      : ModifiedLaw<structure_dim, dim>(parameters.child("of").create<Base>())
       , fault(parameters.string("fault"))
     {}
 
     void
-    set_points(const std::vector<typename Base::MaterialPoint> &points) override
-    {
-      right->set_points(points);
-    }
-
-    void
     energy(const std::vector<Matrix> &F, std::vector<double> &W) const override
     {
-      right->energy(F, W);
+      law->energy(F, W);
       for (unsigned int q = 0; q < F.size(); ++q)
         if (fault == "half the energy")
           W[q] *= .5;
@@ -422,6 +421,8 @@ namespace
           W[q] += .1 * F[q][0][0];
         else if (fault == "another when asked again")
           W[q] += 1e-6 * ++n_calls;
+        else if (fault == "changes with time")
+          W[q] += .01 * this->moment().time;
         else if (fault == "not a number at rest" && at_rest(F[q]))
           W[q] = std::nan("");
         else if (fault == "depends on others")
@@ -437,7 +438,7 @@ namespace
     void
     stress(const std::vector<Matrix> &F, std::vector<Matrix> &P) const override
     {
-      right->stress(F, P);
+      law->stress(F, P);
       for (unsigned int q = 0; q < F.size(); ++q)
         if (fault == "sign")
           P[q] *= -1.;
@@ -462,7 +463,7 @@ namespace
                       const std::vector<Matrix> &dF,
                       std::vector<Matrix> &dP) const override
     {
-      right->stress_derivative(F, dF, dP);
+      law->stress_derivative(F, dF, dP);
       for (unsigned int q = 0; q < F.size(); ++q)
         if (fault == "derivative too stiff")
           dP[q] *= 1.01;
@@ -472,16 +473,54 @@ namespace
           dP[q][0] += .1 * dF[q][1];
     }
 
+    void
+    update_state(const std::vector<Matrix> &F, State &state) const override
+    {
+      law->update_state(F, state);
+      for (unsigned int q = 0; q < F.size(); ++q)
+        if (fault == "counts the state twice")
+          state.back()[q] += .1;
+        else if (fault == "state gives energy")
+          state.back()[q] *= .5;
+        else if (fault == "state another when asked again")
+          state.back()[q] += 1e-6 * ++n_calls;
+    }
+
+    bool
+    viscous() const override
+    {
+      return fault != "viscous unsaid" && law->viscous();
+    }
+
+    void
+    viscous_stress(const std::vector<Matrix> &F,
+                   const std::vector<Matrix> &rate,
+                   std::vector<Matrix> &P) const override
+    {
+      law->viscous_stress(F, rate, P);
+      for (unsigned int q = 0; q < F.size(); ++q)
+        if (fault == "drives")
+          P[q] *= -1.;
+        else if (fault == "square of the rate")
+          P[q] *= rate[q][0].norm();
+        else if (fault == "no potential")
+          P[q][0] += .1 * rate[q][1];
+        else if (fault == "resists rotation")
+          P[q] += .1 * rate[q];
+        else if (fault == "damping of an observer")
+          P[q][0] += .1 * rate[q][0];
+    }
+
     bool
     linear() const override
     {
-      return fault == "says it is linear" || right->linear();
+      return fault == "says it is linear" || law->linear();
     }
 
     bool
     needs_positive_determinant() const override
     {
-      return fault != "says it is defined everywhere" && right->needs_positive_determinant();
+      return fault != "says it is defined everywhere" && law->needs_positive_determinant();
     }
 
   private:
@@ -505,7 +544,7 @@ namespace
       return result;
     }
 
-    const std::unique_ptr<Base> right;
+    using ModifiedLaw<structure_dim, dim>::law;
     const std::string fault;
     mutable unsigned int n_calls = 0;
   };

@@ -114,6 +114,33 @@ namespace
     }
 
     bool
+    viscous() const override
+    {
+      return fault.rfind("viscous", 0) == 0;
+    }
+
+    void
+    viscous_stress(const std::vector<Matrix> &F,
+                   const std::vector<Matrix> &rate,
+                   std::vector<Matrix> &P) const override
+    {
+      P.assign(F.size(), Matrix());
+      for (unsigned int q = 0; q < F.size(); ++q)
+        {
+          for (unsigned int i = 0; i < dim; ++i)
+            P[q][i] = F[q][i] * (C(F[q], rate[q]) + C(rate[q], F[q]));
+          if (fault == "viscous, sign")
+            P[q] *= -1.;
+          else if (fault == "viscous, square")
+            P[q] *= rate[q][0].norm();
+          else if (fault == "viscous, no potential")
+            P[q][0] += .5 * rate[q][1];
+          else if (fault == "viscous, rotation")
+            P[q] = rate[q];
+        }
+    }
+
+    bool
     linear() const override
     {
       return fault == "not linear";

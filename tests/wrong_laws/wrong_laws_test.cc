@@ -73,6 +73,10 @@ namespace
     {"derivative not a number",
      "fails in its derivative of the stress: it is not finite in element 0"},
     {"not linear", "it says that its stress is linear in F"},
+    {"viscous, sign", "its viscous stress drives the structure instead of damping it"},
+    {"viscous, square", "its viscous stress is not linear in dF/dt"},
+    {"viscous, no potential", "its viscous stress has no dissipation potential"},
+    {"viscous, rotation", "its viscous stress resists when the structure is turned as a whole"},
     {"not objective", "when the structure is turned as a whole", false}};
 } // namespace
 
@@ -131,6 +135,7 @@ TEST(WrongLaws, RightLawsPass)
   const std::string fibres    = "\"fibres\": [[1, 0]]";
   for (const std::string &law :
        {std::string("{ \"wrong_law\": { \"fault\": \"none\" } }"),
+        std::string("{ \"wrong_law\": { \"fault\": \"viscous\" } }"),
         std::string("{ \"neo_hookean\": { \"shear_modulus\": 1 } }"),
         std::string("{ \"neo_hookean\": { \"shear_modulus\": 1e-9, \"stress_free\": true } }"),
         "{ \"anisotropic_linear\": { \"stiffness\": 1e9, " + fibres + " } }",

@@ -17,7 +17,9 @@ namespace feib
     /// x, y, z (as many as the space has dimensions) and t, the time.
     space_time,
     /// s1, s2, s3 (as many as the space has dimensions): reference coordinates of a structure.
-    reference
+    reference,
+    /// The same, and t.
+    reference_time
   };
 
   /// Expressions of a case as a function of place and time, which remembers where it was not

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,6 +123,12 @@ namespace feib
     /// those there were are void.
     void set_materials(const std::vector<unsigned int> &material_ids);
 
+    /// What a file knows of the elements beside their nodes: by name, up to three numbers for each
+    /// element.
+    using ElementData = std::map<std::string, std::vector<dealii::Tensor<1, 3>>>;
+    const ElementData &element_data() const;
+    void set_element_data(ElementData data);
+
     /// The part that each element belongs to, 0, 1, ...: a part is connected through faces.
     std::vector<unsigned int> parts() const;
 
@@ -163,6 +170,7 @@ namespace feib
     std::vector<Face> face_list;
     std::vector<Facet> surface_facets, interface_facets;
     std::vector<Remark> remark_list;
+    ElementData data_of_elements;
     bool is_closed = false;
   };
 } // namespace feib

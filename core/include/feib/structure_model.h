@@ -8,6 +8,8 @@
 #include <feib/parameters.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace feib
 {
@@ -49,6 +51,30 @@ namespace feib
     /// structure of the fluid's density.
     virtual const std::vector<double> &excess_mass() const = 0;
 
+    /// The moment at which the functions of X below are taken, for laws that depend on it; @p
+    /// elapsed is the time since the beginning of the step, 0 between steps. Schemes call it at the
+    /// beginning of a step with the time of their load, and at its end.
+    virtual void
+    set_moment(const double time, const double elapsed)
+    {
+      (void)time;
+      (void)elapsed;
+    }
+
+    /// The end of a step at X: the state of the laws becomes what X makes it. Once for each step.
+    virtual void
+    update_state(const Positions<dim> &X)
+    {
+      (void)X;
+    }
+
+    /// State of the laws, for the output: names, and a value per element.
+    virtual std::vector<std::pair<std::string, std::vector<double>>>
+    state() const
+    {
+      return {};
+    }
+
     /// E_h(X), the elastic energy.
     virtual double energy(const Positions<dim> &X) const = 0;
 
@@ -67,6 +93,30 @@ namespace feib
     /// - d load/dX as entries: row = load point * dim + component, column = node * dim + component.
     /// Every rank gives a part.
     virtual MatrixEntries tangent(const Positions<dim> &X) const = 0;
+
+    /// Whether a part of the load depends on the velocities U of the nodes.
+    virtual bool
+    viscous() const
+    {
+      return false;
+    }
+
+    /// That part, linear in U, beside load().
+    virtual void
+    viscous_load(const Positions<dim> &X, const NodalField<dim> &U, NodalField<dim> &load) const
+    {
+      (void)X;
+      (void)U;
+      load.assign(load_points().size(), dealii::Tensor<1, dim>());
+    }
+
+    /// - d viscous_load/dU as entries, like tangent().
+    virtual MatrixEntries
+    viscous_tangent(const Positions<dim> &X) const
+    {
+      (void)X;
+      return {};
+    }
 
     /// Whether the load is linear in X, so that its derivative does not depend on X.
     virtual bool linear() const = 0;

@@ -33,7 +33,8 @@ namespace feib
     /// What the fluid gets from one structure, averages over the step.
     struct Exchange
     {
-      double power = 0; // of elastic and inertial forces on the fluid: their work on u, per time
+      /// Of elastic, viscous and inertial forces on the fluid: their work on u, per time.
+      double power = 0;
       dealii::Tensor<1, dim> force;
       dealii::Tensor<1, 3> torque; // about the origin; the third component in 2D
       /// The part of the change of the measure over the step that comes from a flux of the discrete
@@ -46,6 +47,9 @@ namespace feib
       /// stress is the derivative of its energy.
       double numerical   = 0;
       double unexplained = 0;
+      /// Energy that left the structure neither as elastic work nor by the scheme: what viscosity
+      /// and the state of its laws dissipated, less what came in where a law depends on time.
+      double inelastic = 0;
       /// The work of the elastic load along the way of the step, without sign: the measure of
       /// unexplained energy.
       double elastic_work = 0;
@@ -56,7 +60,9 @@ namespace feib
     /// What a step took, and where its energy went: with K and E the kinetic and the elastic
     /// energy,
     ///   K + E at the end - K - E at the beginning + dissipated + convected + numerical
-    ///     + unexplained = boundary_work + body_work       up to the tolerance of the solver.
+    ///     + unexplained + inelastic = boundary_work + body_work   up to the tolerance of the
+    ///     solver,
+    /// inelastic being the sum over the exchanges.
     struct Report
     {
       unsigned int linear_iterations    = 0;

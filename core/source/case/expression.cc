@@ -96,10 +96,11 @@ namespace feib
                          const std::vector<std::string> &texts,
                          const Variables variables)
         : Expressions<dim>(texts.size())
-        , has_time(variables == Variables::space_time)
+        , in_space(variables == Variables::space_time)
+        , has_time(variables != Variables::reference)
         , components(texts.size())
       {
-        const auto &all = has_time ? space_names : reference_names;
+        const auto &all = in_space ? space_names : reference_names;
         std::vector<std::string> names(all.begin(), all.begin() + dim);
         if (has_time)
           names.push_back("t");
@@ -168,7 +169,7 @@ namespace feib
         std::optional<Trouble> trouble;
       };
 
-      const bool has_time;
+      const bool in_space, has_time;
       mutable std::array<double, dim + 1> values; // the parsers hold pointers to them
       mutable std::vector<Component> components;
 
@@ -232,7 +233,7 @@ namespace feib
           const double value = first[dim + 1];
           message << '"' << component.text << "\" is "
                   << (std::isnan(value) ? "nan" : readable(value))
-                  << (has_time ? " at (" : " at the reference place (");
+                  << (in_space ? " at (" : " at the reference place (");
           for (unsigned int a = 0; a < dim; ++a)
             message << (a > 0 ? ", " : "") << first[a];
           message << ')';

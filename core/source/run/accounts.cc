@@ -35,6 +35,7 @@ namespace feib
     archive("convected", convected);
     archive("numerical", numerical);
     archive("unexplained", unexplained);
+    archive("inelastic", inelastic);
     archive("boundary_work", boundary_work);
     archive("body_work", body_work);
     archive("energy", energy);
@@ -97,6 +98,8 @@ namespace feib
     totals.convected += report.convected;
     totals.numerical += report.numerical;
     totals.unexplained += report.unexplained;
+    for (const auto &exchange : report.exchanges)
+      totals.inelastic += exchange.inelastic;
     totals.boundary_work += report.boundary_work;
     totals.body_work += report.body_work;
     totals.linear_iterations += report.linear_iterations;
@@ -190,8 +193,8 @@ namespace feib
       sum_up(step, dt, report, total);
       const double initial = step > 0 ? ledger.first("total_energy") : total;
       const double closure = total - initial + totals.dissipated + totals.convected +
-                             totals.numerical + totals.unexplained - totals.boundary_work -
-                             totals.body_work - totals.remeshing;
+                             totals.numerical + totals.unexplained + totals.inelastic -
+                             totals.boundary_work - totals.body_work - totals.remeshing;
       totals.largest_closure = std::max(totals.largest_closure, std::abs(closure));
 
       row = {{"step", double(step)},
@@ -203,6 +206,7 @@ namespace feib
              {"convected", totals.convected},
              {"numerical", totals.numerical},
              {"unexplained", totals.unexplained},
+             {"inelastic", totals.inelastic},
              {"boundary_work", totals.boundary_work},
              {"body_work", totals.body_work},
              {"remeshing", totals.remeshing},

@@ -22,6 +22,7 @@ namespace feib
     struct Totals
     {
       double dissipated = 0, convected = 0, numerical = 0, unexplained = 0;
+      double inelastic     = 0;
       double boundary_work = 0, body_work = 0;
       double energy            = 0; // now, on the mesh the next step is taken on
       double remeshing         = 0; // kinetic energy gained by moving u to another mesh

@@ -31,6 +31,7 @@ namespace feib
               {"dissipated", ledger.last("dissipated")},
               {"numerical", ledger.last("numerical")},
               {"unexplained", ledger.last("unexplained")},
+              {"inelastic", ledger.last("inelastic")},
               {"largest_closure", totals.largest_closure},
               {"total_initial", ledger.first("total_energy")},
               {"total_final", ledger.last("total_energy")},

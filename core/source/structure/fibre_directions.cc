@@ -13,39 +13,71 @@ namespace feib
     : pointer(parameters.pointer() + "/fibres")
   {
     for (unsigned int k = 0; parameters.has("fibres/" + std::to_string(k)); ++k)
-      functions.push_back(parse_expressions<dim>(
-        parameters, "fibres/" + std::to_string(k), dim, Variables::reference));
-    if (functions.empty() && structure_dim > 1)
+      {
+        const std::string key = "fibres/" + std::to_string(k);
+        given_families.emplace_back();
+        if (parameters.has(key + "/0"))
+          given_families.back().expressions =
+            parse_expressions<dim>(parameters, key, dim, Variables::reference);
+        else
+          given_families.back().data = parameters.string(key);
+      }
+    if (given_families.empty() && structure_dim > 1)
       parameters.fail(
         "fibres",
         "is empty; a body or surface needs at least one direction, e.g. [[\"1\", \"0\"" +
           std::string(dim == 3 ? ", \"0\"" : "") + "]]");
-    families = functions.empty() ? 1 : functions.size();
+    families = given_families.empty() ? 1 : given_families.size();
+  }
+
+  template <int structure_dim, int dim>
+  dealii::Tensor<1, dim>
+  FibreDirections<structure_dim, dim>::given(const unsigned int family,
+                                             const MaterialPoint &point) const
+  {
+    const auto &[expressions, name] = given_families[family];
+    dealii::Tensor<1, dim> result;
+    if (expressions)
+      {
+        for (unsigned int i = 0; i < dim; ++i)
+          result[i] = expressions->value(point.place, i);
+        return result;
+      }
+    const auto found = point.data.find(name);
+    if (found == point.data.end())
+      {
+        std::string known;
+        for (const auto &[other, value] : point.data)
+          known += (known.empty() ? "" : ", ") + ('"' + readable(other) + '"');
+        throw Error(pointer + "/" + std::to_string(family),
+                    "names data of the mesh file, \"" + readable(name) + "\"; its elements have " +
+                      (known.empty() ? "none" : known));
+      }
+    for (unsigned int i = 0; i < dim; ++i)
+      result[i] = found->second[i];
+    return result;
   }
 
   template <int structure_dim, int dim>
   void
-  FibreDirections<structure_dim, dim>::set_points(
-    const std::vector<typename ConstitutiveLaw<structure_dim, dim>::MaterialPoint> &points)
+  FibreDirections<structure_dim, dim>::set_points(const std::vector<MaterialPoint> &points)
   {
     Direction along_the_curve;
     along_the_curve[0] = 1;
     directions.clear();
     directions.reserve(points.size() * families);
-    for (const auto &point : points)
+    for (const MaterialPoint &point : points)
       {
-        if (functions.empty())
+        if (given_families.empty())
           directions.push_back(along_the_curve);
-        for (unsigned int f = 0; f < functions.size(); ++f)
+        for (unsigned int f = 0; f < given_families.size(); ++f)
           {
-            dealii::Tensor<1, dim> given;
-            for (unsigned int i = 0; i < dim; ++i)
-              given[i] = functions[f]->value(point.place, i);
+            const dealii::Tensor<1, dim> whole = given(f, point);
             Direction direction;
             for (unsigned int k = 0; k < structure_dim; ++k)
-              direction[k] = given * point.frame[k];
+              direction[k] = whole * point.frame[k];
             const double length = direction.norm();
-            if (!(length > 1e-12 * given.norm()) || !std::isfinite(length))
+            if (!(length > 1e-12 * whole.norm()) || !std::isfinite(length))
               {
                 std::string found;
                 for (unsigned int i = 0; i < dim; ++i)

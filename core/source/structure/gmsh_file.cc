@@ -181,6 +181,8 @@ namespace feib
               version == 2.2 ? read_nodes_2() : read_nodes_4();
             else if (header == "$Elements")
               version == 2.2 ? read_elements_2() : read_elements_4();
+            else if (header == "$ElementData")
+              read_element_data();
             else
               {
                 const std::string end = "$End" + std::string(header.substr(1));
@@ -203,6 +205,46 @@ namespace feib
         if (type != 0 || (version != 2.2 && version != 4.1))
           fail("the file is of format " + readable(version) + (type == 0 ? "" : ", binary") + "; " +
                formats);
+      }
+
+      /// A section holds one view of Gmsh: of several times the last one counts, of more than three
+      /// components (tensors) none.
+      void
+      read_element_data()
+      {
+        std::string view;
+        for (std::size_t n = count(), i = 0; i < n; ++i)
+          {
+            find_word();
+            std::string text(rest());
+            text.erase(text.find_last_not_of(" \t\r") + 1);
+            if (text.size() > 1 && text.front() == '"' && text.back() == '"')
+              text = text.substr(1, text.size() - 2);
+            if (i == 0)
+              view = text;
+          }
+        skip(count());
+        const std::size_t n_integers = count();
+        if (n_integers < 3)
+          fail("$ElementData has three integers or more, the third is the number of its elements; "
+               "found " +
+               std::to_string(n_integers));
+        skip(1);
+        const std::size_t n_components = count(), n_elements = count();
+        skip(n_integers - 3);
+        GmshFile::Data data;
+        for (std::size_t e = 0; e < n_elements; ++e)
+          {
+            std::array<double, 3> &values = data[number<std::uint64_t>("the number of an element")];
+            for (std::size_t c = 0; c < n_components; ++c)
+              {
+                const double value = real();
+                if (c < 3)
+                  values[c] = value;
+              }
+          }
+        if (n_components <= 3)
+          result.element_data[view] = std::move(data);
       }
 
       /// Elements of a partitioned file belong to parts of entities, which have the groups.

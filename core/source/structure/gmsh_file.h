@@ -6,7 +6,9 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace feib
@@ -37,6 +39,9 @@ namespace feib
       int kept = 0, other = 0;              // its groups
     };
 
+    /// Of the elements: their numbers, and up to three values.
+    using Data = std::unordered_map<std::uint64_t, std::array<double, 3>>;
+
     /// Throws Error with line, what was found and what is allowed, when the file is missing, cannot
     /// be read, or contradicts itself. Collective: the first rank reads.
     GmshFile(const std::string &file, MPI_Comm communicator);
@@ -44,6 +49,7 @@ namespace feib
     std::vector<Node> nodes;
     std::array<std::vector<Simplex>, 4> simplices; // by dimension; [0] stays empty
     std::array<Several, 4> several;                // by dimension
+    std::map<std::string, Data> element_data;      // by name
     /// What else it holds, of the highest dimension, e.g. "quadrilaterals"; empty when nothing.
     std::string others;
     unsigned int others_dimension = 0;

@@ -450,6 +450,22 @@ namespace feib
   }
 
   template <int dim>
+  const typename LagrangianMesh<dim>::ElementData &
+  LagrangianMesh<dim>::element_data() const
+  {
+    return data_of_elements;
+  }
+
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::set_element_data(ElementData data)
+  {
+    data_of_elements = std::move(data);
+  }
+
+
+  template <int dim>
   std::vector<unsigned int>
   LagrangianMesh<dim>::parts() const
   {

@@ -80,6 +80,7 @@ namespace feib
       void derivative() const;
       void rotation() const;
       void growth() const;
+      void viscosity() const;
 
       /// Throws the sentence at the law.
       [[noreturn]] void fail(const std::string &sentence) const;
@@ -100,6 +101,15 @@ namespace feib
       {
         NodalField<dim> result;
         model.load(X, result);
+        return result;
+      }
+
+      /// The viscous load at X for the nodes' velocities U.
+      NodalField<dim>
+      viscous_load(const NodalField<dim> &U) const
+      {
+        NodalField<dim> result;
+        model.viscous_load(X, U, result);
         return result;
       }
 
@@ -411,6 +421,43 @@ namespace feib
                    " times, along whatever axis; are energy and stress negative?");
         }
     }
+
+
+    template <int dim>
+    void
+    LawCheck<dim>::viscosity() const
+    {
+      const NodalField<dim> U = random_displacement(11), V = random_displacement(12);
+      const NodalField<dim> f = viscous_load(U), g = viscous_load(V);
+      const double size      = norm(f) * norm(at_points(U)) + norm(g) * norm(at_points(V));
+      const double tolerated = 1e-9 * size;
+      NodalField<dim> sum    = U, rest;
+      for (unsigned int i = 0; i < U.size(); ++i)
+        sum[i] += 2. * V[i];
+      rest = viscous_load(sum);
+      for (unsigned int q = 0; q < f.size(); ++q)
+        rest[q] -= f[q] + 2. * g[q];
+      if (norm(rest) > 1e-9 * (norm(f) + norm(g)))
+        refuse("its viscous stress is not linear in dF/dt");
+      // Without the load of its boundary faces, or with Gauss points, powers are others.
+      if (!model.conservative())
+        return;
+      if (product(f, at_points(U)) > tolerated)
+        refuse("its viscous stress drives the structure instead of damping it; is its sign wrong?");
+      if (std::abs(product(f, at_points(V)) - product(g, at_points(U))) > tolerated)
+        refuse("its viscous stress has no dissipation potential: P(A) : B is not P(B) : A");
+      NodalField<dim> turning(U.size());
+      for (unsigned int i = 0; i < U.size(); ++i)
+        {
+          turning[i][0] = -(X[i][1] - X[0][1]);
+          turning[i][1] = X[i][0] - X[0][0];
+        }
+      double speed = 0;
+      for (unsigned int i = 0; i < U.size(); ++i)
+        speed = std::max(speed, turning[i].norm() / node_heights[i]);
+      if (norm(viscous_load(turning)) > 1e-9 * speed * norm(f))
+        refuse("its viscous stress resists when the structure is turned as a whole");
+    }
   } // namespace
 
 
@@ -430,6 +477,8 @@ namespace feib
             check.rotation();
             check.growth();
           }
+        if (model.viscous())
+          check.viscosity();
       }
     catch (const RunFailure &failure)
       {

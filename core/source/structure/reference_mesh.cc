@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -483,6 +484,32 @@ namespace feib
                          "those at one place"});
     }
 
+    /// The data of the elements, not a number where the file does not say.
+    template <int dim>
+    void
+    add_element_data(LagrangianMesh<dim> &mesh, const std::map<std::string, GmshFile::Data> &given)
+    {
+      typename LagrangianMesh<dim>::ElementData data;
+      for (const auto &[name, values] : given)
+        {
+          bool any = false;
+          std::vector<dealii::Tensor<1, 3>> of_elements;
+          for (const auto &element : mesh.elements())
+            {
+              const auto found = values.find(element.number);
+              any              = any || found != values.end();
+              of_elements.emplace_back();
+              for (unsigned int c = 0; c < 3; ++c)
+                of_elements.back()[c] = found != values.end()
+                                          ? found->second[c]
+                                          : std::numeric_limits<double>::quiet_NaN();
+            }
+          if (any)
+            data[name] = std::move(of_elements);
+        }
+      mesh.set_element_data(std::move(data));
+    }
+
     template <int dim>
     LagrangianMesh<dim>
     gmsh(const std::string &path,
@@ -524,6 +551,7 @@ namespace feib
               builder.simplices.back().number = simplex.number;
             }
           LagrangianMesh<dim> mesh = builder.build(structure_dim, std::move(numbers));
+          add_element_data(mesh, file.element_data);
           add_remarks(mesh, file.several[structure_dim], merge ? 0 : n_unmerged, example);
           return mesh;
         }

@@ -70,18 +70,21 @@ namespace
       coordinates.push_back(d < dim ? point[d] : 0.);
   }
 
-  /// A structure at its present place, with its reference coordinates, energy density and
-  /// materials. Every element has corners of its own: reference coordinates jump across seams.
+  /// A name, and a value for each element.
+  using ElementField = std::pair<std::string, std::vector<double>>;
+
+  /// A structure at its present place, with its reference coordinates, materials and fields.
+  /// Every element has corners of its own: reference coordinates jump across seams.
   template <int structure_dim, int dim>
   std::string
   structure_text(const feib::LagrangianMesh<dim> &mesh,
                  const feib::Positions<dim> &X,
-                 const std::vector<double> &energy_density,
+                 const std::vector<ElementField> &fields,
                  const double time)
   {
     constexpr unsigned int n       = structure_dim + 1;
     constexpr std::uint8_t types[] = {0, 3, 5, 10}; // VTK_LINE, _TRIANGLE, _TETRA
-    std::vector<double> points, reference, density;
+    std::vector<double> points, reference;
     std::vector<std::int32_t> connectivity, offsets, materials;
     for (unsigned int e = 0; e < mesh.n_elements(); ++e)
       {
@@ -91,7 +94,6 @@ namespace
           {
             append(points, X[element.nodes[k]]);
             append(reference, corners[k]);
-            density.push_back(energy_density[e]);
             materials.push_back(element.material_id);
             connectivity.push_back(n * e + k);
           }
@@ -111,9 +113,15 @@ namespace
                        1,
                        std::vector<std::uint8_t>(mesh.n_elements(), types[structure_dim]))
          << "</Cells>\n<PointData>\n"
-         << data_array("reference", 3, reference) << data_array("energy_density", 1, density)
-         << data_array("material_id", 1, materials)
-         << "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+         << data_array("reference", 3, reference) << data_array("material_id", 1, materials);
+    for (const auto &[name, values] : fields)
+      {
+        std::vector<double> at_corners;
+        for (const double value : values)
+          at_corners.insert(at_corners.end(), n, value);
+        text << data_array(name, 1, at_corners);
+      }
+    text << "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
     return text.str();
   }
 
@@ -242,18 +250,18 @@ namespace
     void
     write_structure(const Snapshot &snapshot, const feib::StructureModel<dim> &model)
     {
-      const std::vector<double> energy_density = model.energy_density(model.positions);
+      std::vector<ElementField> fields = model.state();
+      fields.insert(fields.begin(), {"energy_density", model.energy_density(model.positions)});
       if (Utilities::MPI::this_mpi_process(snapshot.space.communicator()) != 0)
         return;
 
       const std::string name =
         model.name() + "_" + Utilities::int_to_string(snapshot.step, 6) + ".vtu";
-      const auto &mesh = model.mesh();
-      const auto &X    = model.positions;
-      const std::string text =
-        mesh.structure_dim() == dim
-          ? structure_text<dim, dim>(mesh, X, energy_density, snapshot.time)
-          : structure_text<dim - 1, dim>(mesh, X, energy_density, snapshot.time);
+      const auto &mesh       = model.mesh();
+      const auto &X          = model.positions;
+      const std::string text = mesh.structure_dim() == dim
+                                 ? structure_text<dim, dim>(mesh, X, fields, snapshot.time)
+                                 : structure_text<dim - 1, dim>(mesh, X, fields, snapshot.time);
       write_file(snapshot.directory + "/" + name, text);
       add_to_series(snapshot, model.name(), name);
     }

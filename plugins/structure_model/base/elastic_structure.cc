@@ -72,6 +72,8 @@ namespace feib
         material_points.back().material_id = element.material_id;
         for (unsigned int k = 0; k < m; ++k)
           material_points.back().frame[k] = element.frame[k];
+        for (const auto &[data, values] : reference_mesh.element_data())
+          material_points.back().data[data] = values[e];
       }
     std::pair<std::string, std::string> issue; // pointer and message
     try
@@ -86,6 +88,12 @@ namespace feib
          dealii::Utilities::MPI::all_gather(reference_mesh.communicator(), issue))
       if (!message.empty())
         throw Error(pointer, message);
+    for (const auto &variable : law->state_variables())
+      {
+        state_names.push_back(variable.name);
+        moment.state.emplace_back(material_points.size(), variable.initial);
+      }
+    law->set_moment(moment);
   }
 
 
@@ -102,6 +110,100 @@ namespace feib
   ElasticStructure<structure_dim, dim>::mesh() const
   {
     return reference_mesh;
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::archive(Archive &archive)
+  {
+    StructureModel<dim>::archive(archive);
+    archive("law", *law);
+    archive("time", moment.time);
+    archive("elapsed", moment.elapsed);
+    for (unsigned int v = 0; v < state_names.size(); ++v)
+      {
+        std::vector<double> values = all_elements(moment.state[v]);
+        archive("state_" + state_names[v], values);
+        std::copy(values.begin() + first, values.begin() + last, moment.state[v].begin());
+      }
+    if (archive.reading())
+      moment_has_changed();
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::moment_has_changed()
+  {
+    law->set_moment(moment);
+    if (!law->time_dependent() && state_names.empty())
+      return;
+    last_energy.forget();
+    last_stiffness.forget();
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::set_moment(const double time, const double elapsed)
+  {
+    moment.time    = time;
+    moment.elapsed = elapsed;
+    moment_has_changed();
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::update_state(const Positions<dim> &X)
+  {
+    if (state_names.empty())
+      return;
+    const std::vector<Matrix> F = deformation_gradients(X);
+    auto next                   = moment.state;
+    std::vector<double> sums; // for evaluate(), not finite where one of the values is not
+    evaluate(
+      "state",
+      [&] {
+        law->update_state(F, next);
+        if (next.size() != state_names.size())
+          throw Incurable("it gives " + std::to_string(next.size()) + " state variables, it has " +
+                          std::to_string(state_names.size()));
+        for (const std::vector<double> &values : next)
+          {
+            if (values.size() != sums.size())
+              throw Incurable("it gives " + std::to_string(values.size()) + " values for " +
+                              std::to_string(sums.size()) + " elements");
+            for (unsigned int q = 0; q < values.size(); ++q)
+              sums[q] += values[q];
+          }
+      },
+      sums);
+    moment.state = std::move(next);
+    moment_has_changed();
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<double>
+  ElasticStructure<structure_dim, dim>::all_elements(const std::vector<double> &local) const
+  {
+    std::vector<double> all(reference_mesh.n_elements());
+    std::copy(local.begin(), local.end(), all.begin() + first);
+    dealii::Utilities::MPI::sum(all, reference_mesh.communicator(), all);
+    return all;
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<std::pair<std::string, std::vector<double>>>
+  ElasticStructure<structure_dim, dim>::state() const
+  {
+    std::vector<std::pair<std::string, std::vector<double>>> result;
+    for (unsigned int v = 0; v < state_names.size(); ++v)
+      result.emplace_back(state_names[v], all_elements(moment.state[v]));
+    return result;
   }
 
 
@@ -294,20 +396,17 @@ namespace feib
   std::vector<double>
   ElasticStructure<structure_dim, dim>::energy_density(const Positions<dim> &X) const
   {
-    const std::vector<double> W = local_energy_density(X);
-    std::vector<double> all(reference_mesh.n_elements());
-    std::copy(W.begin(), W.end(), all.begin() + first);
-    dealii::Utilities::MPI::sum(all, reference_mesh.communicator(), all);
-    return all;
+    return all_elements(local_energy_density(X));
   }
 
 
   template <int structure_dim, int dim>
-  typename FaceLoads<structure_dim, dim>::Columns
-  ElasticStructure<structure_dim, dim>::tangent_columns(const std::vector<Matrix> &F) const
+  template <typename Function>
+  typename ElasticStructure<structure_dim, dim>::Columns
+  ElasticStructure<structure_dim, dim>::columns(const char *what, const Function &function) const
   {
-    typename FaceLoads<structure_dim, dim>::Columns columns;
-    std::vector<Matrix> dF(F.size());
+    Columns result;
+    std::vector<Matrix> dF(last - first);
     for (unsigned int c = 0; c < m * dim; ++c)
       {
         for (Matrix &direction : dF)
@@ -316,11 +415,20 @@ namespace feib
             direction[c / m][c % m] = 1;
           }
         evaluate(
-          "derivative of the stress",
-          [&] { law->stress_derivative(F, dF, columns[c]); },
-          columns[c]);
+          what, [&] { function(dF, result[c]); }, result[c]);
       }
-    return columns;
+    return result;
+  }
+
+
+  template <int structure_dim, int dim>
+  typename ElasticStructure<structure_dim, dim>::Columns
+  ElasticStructure<structure_dim, dim>::tangent_columns(const std::vector<Matrix> &F) const
+  {
+    return columns("derivative of the stress",
+                   [&](const std::vector<Matrix> &dF, std::vector<Matrix> &dP) {
+                     law->stress_derivative(F, dF, dP);
+                   });
   }
 
 
@@ -329,6 +437,40 @@ namespace feib
   ElasticStructure<structure_dim, dim>::tangent(const Positions<dim> &X) const
   {
     return faces.tangent(tangent_columns(deformation_gradients(X)));
+  }
+
+
+  template <int structure_dim, int dim>
+  bool
+  ElasticStructure<structure_dim, dim>::viscous() const
+  {
+    return law->viscous();
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::viscous_load(const Positions<dim> &X,
+                                                     const NodalField<dim> &U,
+                                                     NodalField<dim> &load) const
+  {
+    std::vector<Matrix> P;
+    const std::vector<Matrix> F = deformation_gradients(X), rate = gradients(U);
+    evaluate(
+      "viscous stress", [&] { law->viscous_stress(F, rate, P); }, P);
+    faces.load(P, load);
+  }
+
+
+  template <int structure_dim, int dim>
+  MatrixEntries
+  ElasticStructure<structure_dim, dim>::viscous_tangent(const Positions<dim> &X) const
+  {
+    const std::vector<Matrix> F = deformation_gradients(X);
+    return faces.tangent(
+      columns("viscous stress", [&](const std::vector<Matrix> &rate, std::vector<Matrix> &P) {
+        law->viscous_stress(F, rate, P);
+      }));
   }
 
 

@@ -50,18 +50,10 @@ namespace feib
   VolumetricSplit<dim>::VolumetricSplit(std::unique_ptr<Law> law,
                                         const bool deviatoric,
                                         const double k)
-    : law(std::move(law))
+    : ModifiedLaw<dim, dim>(std::move(law))
     , c(deviatoric ? 1. / dim : 0.)
     , k(k)
   {}
-
-
-  template <int dim>
-  void
-  VolumetricSplit<dim>::set_points(const std::vector<MaterialPoint> &points)
-  {
-    law->set_points(points);
-  }
 
 
   template <int dim>
@@ -122,6 +114,23 @@ namespace feib
                                                c * g * (P_bar - c * work * G)) +
                             k * (g * G + std::log(J) * dG));
       }
+  }
+
+
+  template <int dim>
+  void
+  VolumetricSplit<dim>::update_state(const std::vector<Matrix> &F,
+                                     std::vector<std::vector<double>> &state) const
+  {
+    law->update_state(scaled<dim>(F, c), state);
+  }
+
+
+  template <int dim>
+  bool
+  VolumetricSplit<dim>::linear() const
+  {
+    return false;
   }
 
 

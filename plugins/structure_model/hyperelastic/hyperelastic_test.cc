@@ -432,3 +432,59 @@ TEST(Hyperelastic, SaysWhatIsWrongWithTheRest)
                                    R"({"neo_hookean": {"shear_modulus": "0.8 - s2"}})"),
                        "/law/neo_hookean/shear_modulus: is -"));
 }
+
+// --- what a mesh file knows of its elements
+
+namespace
+{
+  /// A square of two triangles, 7 and 9, and a line that belongs to it, 3; @p values: of 7 and 9.
+  std::string
+  square_with_data(const std::string &values)
+  {
+    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+           "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
+           "$Elements\n3\n3 1 2 1 1 1 2\n7 2 2 1 1 1 2 3\n9 2 2 2 2 1 3 4\n$EndElements\n"
+           "$ElementData\n1\n\"the fibres\"\n1\n0\n3\n0\n3\n" +
+           values +
+           "$EndElementData\n"
+           "$ElementData\n1\n\"a tensor\"\n1\n0\n3\n0\n9\n1\n7 1 2 3 4 5 6 7 8 "
+           "9\n$EndElementData\n";
+  }
+
+  std::string
+  fibre_law(const std::string &fibre)
+  {
+    return R"({"anisotropic_linear": {"stiffness": 2, "fibres": [)" + fibre + "]}}";
+  }
+} // namespace
+
+TEST(Hyperelastic, FibresComeFromDataOfTheMeshFile)
+{
+  const TemporaryFile file(square_with_data("2\n7 1 2 0\n9 0 3 0\n"));
+  const auto model     = make_model<2>(component, gmsh(file), fibre_law("\"the fibres\"")),
+             same      = make_model<2>(component,
+                                  gmsh(file),
+                                  fibre_law("[\"if(s1 > s2, 1, 0)\", \"if(s1 > s2, 2, 3)\"]"));
+  const Positions<2> X = shaken(*model, .2);
+  EXPECT_GT(model->energy(X), 0);
+  EXPECT_NEAR(model->energy(X), same->energy(X), 1e-14);
+  const auto densities = model->energy_density(X), expected = same->energy_density(X);
+  for (unsigned int e = 0; e < 2; ++e)
+    EXPECT_NEAR(densities[e], expected[e], 1e-14);
+}
+
+TEST(Hyperelastic, DataThatIsNotThereIsRefused)
+{
+  const TemporaryFile file(square_with_data("2\n7 1 2 0\n9 0 3 0\n"));
+  EXPECT_TRUE(contains(error_of<2>(component, gmsh(file), fibre_law("\"other\"")),
+                       "/law/anisotropic_linear/fibres/0: names data of the mesh file, "
+                       "\"other\"; its elements have \"the fibres\""));
+  EXPECT_TRUE(
+    contains(error_of<2>(component, disc, fibre_law("\"other\"")), "its elements have none"));
+  const TemporaryFile partial(square_with_data("1\n7 1 2 0\n"));
+  EXPECT_TRUE(contains(error_of<2>(component, gmsh(partial), fibre_law("\"the fibres\"")),
+                       "has no direction in the structure at the reference place (0.333"));
+  const TemporaryFile wrong(square_with_data("2\n7 1 2 0\n9 0 nan 0\n"));
+  EXPECT_TRUE(contains(error_of<2>(component, gmsh(wrong), fibre_law("\"the fibres\"")),
+                       "where a finite number is expected"));
+}

@@ -111,10 +111,9 @@ namespace feib
                             Report &report) const
   {
     VelocityVector load = system.space.make_velocity();
-    StructureLoad<dim> implicit_load(system, tau, choices.implicit_force);
-    Solution solution{geometry,
-                      std::vector<NodalField<dim>>(geometry.size()),
-                      std::vector<NodalField<dim>>(geometry.size())};
+    StructureLoad<dim> implicit_load(system, tau, geometry, choices.implicit_force);
+    const std::vector<NodalField<dim>> none(geometry.size());
+    Solution solution{geometry, none, none, none};
     for (unsigned int s = 0; s < geometry.size(); ++s)
       {
         const ImmersedStructure<dim> &structure = system.structures[s];
@@ -143,11 +142,13 @@ namespace feib
     const Timers::Section section(system.timers, "coupling");
     for (unsigned int s = 0; s < geometry.size(); ++s)
       {
-        system.structures[s].motion->interpolate(system.space,
-                                                 system.space.velocity,
-                                                 solution.velocities[s]);
+        const ImmersedStructure<dim> &structure = system.structures[s];
+        const NodalField<dim> &U                = solution.velocities[s];
+        structure.motion->interpolate(system.space, system.space.velocity, solution.velocities[s]);
         if (choices.implicit_force)
-          solution.forces[s] = implicit_load.elastic_force(s, solution.velocities[s]);
+          solution.forces[s] = implicit_load.elastic_force(s, U);
+        if (structure.model->viscous())
+          structure.model->viscous_load(geometry[s], U, solution.viscous_forces[s]);
       }
     return solution;
   }
@@ -183,12 +184,28 @@ namespace feib
 
 
   template <int dim>
+  std::vector<double>
+  CoupledScheme<dim>::begin_structures(System &system, const double time, const double dt) const
+  {
+    const double elapsed = choices.midpoint ? dt / 2 : choices.implicit_force ? dt : 0.;
+    std::vector<double> energies;
+    for (const ImmersedStructure<dim> &structure : system.structures)
+      {
+        energies.push_back(structure.model->energy(structure.model->positions));
+        structure.model->set_moment(time + elapsed, elapsed);
+      }
+    return energies;
+  }
+
+
+  template <int dim>
   typename CoupledScheme<dim>::Report
   CoupledScheme<dim>::step(System &system, const double time, const double dt)
   {
     EulerianSpace<dim> &space = system.space;
     Report report;
-    const Solution solution = find_geometry(system, time, dt, report);
+    const std::vector<double> energies = begin_structures(system, time, dt);
+    const Solution solution            = find_geometry(system, time, dt, report);
 
     // From powers at u_s to energies of the step. The midpoint rule loses nothing to inertia.
     report.dissipated *= dt;
@@ -203,14 +220,13 @@ namespace feib
       report.displacement_error = error_estimate.add(space, time, dt, solution.velocities);
     for (unsigned int s = 0; s < system.structures.size(); ++s)
       {
-        const auto exchange = StructureStep<dim>(space,
-                                                 system.structures[s],
-                                                 solution.geometry[s],
-                                                 solution.velocities[s],
-                                                 solution.forces[s],
-                                                 dt,
-                                                 choices.midpoint)
-                                .take();
+        const typename StructureStep<dim>::Motion motion{solution.geometry[s],
+                                                         solution.velocities[s],
+                                                         solution.forces[s],
+                                                         solution.viscous_forces[s]};
+        const auto exchange =
+          StructureStep<dim>(space, system.structures[s], motion, time, dt, choices.midpoint)
+            .take(energies[s]);
         report.numerical += exchange.numerical;
         report.unexplained += exchange.unexplained;
         report.exchanges.push_back(exchange);

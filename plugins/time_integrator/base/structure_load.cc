@@ -3,11 +3,28 @@
 
 namespace feib
 {
+  namespace
+  {
+    /// a += factor b
+    template <int dim>
+    void
+    add(NodalField<dim> &a, const double factor, const NodalField<dim> &b)
+    {
+      for (unsigned int q = 0; q < a.size(); ++q)
+        a[q] += factor * b[q];
+    }
+  } // namespace
+
+
   template <int dim>
-  StructureLoad<dim>::StructureLoad(const System &system, const double tau, const bool elastic)
+  StructureLoad<dim>::StructureLoad(const System &system,
+                                    const double tau,
+                                    const std::vector<Positions<dim>> &geometry,
+                                    const bool elastic)
     : Inertia(system.space, system.structures, tau)
     , system(system)
     , tau(tau)
+    , geometry(geometry)
     , elastic(elastic)
     , moved(system.structures.size())
     , forces(system.structures.size())
@@ -16,9 +33,20 @@ namespace feib
 
   template <int dim>
   bool
+  StructureLoad<dim>::acts(const unsigned int s) const
+  {
+    return elastic || system.structures[s].model->viscous();
+  }
+
+
+  template <int dim>
+  bool
   StructureLoad<dim>::empty() const
   {
-    return (!elastic || system.structures.empty()) && Inertia::empty();
+    for (unsigned int s = 0; s < moved.size(); ++s)
+      if (acts(s))
+        return false;
+    return Inertia::empty();
   }
 
 
@@ -26,16 +54,27 @@ namespace feib
   void
   StructureLoad<dim>::evaluate(const VelocityVector &u, VelocityVector &load)
   {
-    NodalField<dim> U;
-    if (elastic)
-      for (unsigned int s = 0; s < moved.size(); ++s)
-        {
-          const ImmersedStructure<dim> &structure = system.structures[s];
-          structure.motion->interpolate(system.space, u, U);
-          moved[s] = moved_by(s, U);
-          structure.model->load(moved[s], forces[s]);
-          structure.spreading().spread(system.space, forces[s], load);
-        }
+    NodalField<dim> U, force, viscous;
+    for (unsigned int s = 0; s < moved.size(); ++s)
+      {
+        if (!acts(s))
+          continue;
+        const ImmersedStructure<dim> &structure = system.structures[s];
+        structure.motion->interpolate(system.space, u, U);
+        force.assign(structure.model->load_points().size(), dealii::Tensor<1, dim>());
+        if (elastic)
+          {
+            moved[s] = moved_by(s, U);
+            structure.model->load(moved[s], forces[s]);
+            force = forces[s];
+          }
+        if (structure.model->viscous())
+          {
+            structure.model->viscous_load(geometry[s], U, viscous);
+            add<dim>(force, 1., viscous);
+          }
+        structure.spreading().spread(system.space, force, load);
+      }
     Inertia::evaluate(u, load);
   }
 
@@ -44,17 +83,27 @@ namespace feib
   void
   StructureLoad<dim>::apply(VelocityVector &dst, const VelocityVector &du) const
   {
-    NodalField<dim> dU, force;
-    if (elastic)
-      for (unsigned int s = 0; s < moved.size(); ++s)
-        {
-          const ImmersedStructure<dim> &structure = system.structures[s];
-          structure.motion->interpolate(system.space, du, dU);
-          structure.model->load_derivative(moved[s], dU, force);
-          for (auto &value : force)
-            value *= -tau;
-          structure.spreading().spread(system.space, force, dst);
-        }
+    NodalField<dim> dU, force, viscous;
+    for (unsigned int s = 0; s < moved.size(); ++s)
+      {
+        if (!acts(s))
+          continue;
+        const ImmersedStructure<dim> &structure = system.structures[s];
+        structure.motion->interpolate(system.space, du, dU);
+        force.assign(structure.model->load_points().size(), dealii::Tensor<1, dim>());
+        if (elastic)
+          {
+            structure.model->load_derivative(moved[s], dU, force);
+            for (auto &value : force)
+              value *= -tau;
+          }
+        if (structure.model->viscous())
+          {
+            structure.model->viscous_load(geometry[s], dU, viscous);
+            add<dim>(force, -1., viscous);
+          }
+        structure.spreading().spread(system.space, force, dst);
+      }
     Inertia::apply(dst, du);
   }
 
@@ -76,28 +125,31 @@ namespace feib
   StructureLoad<dim>::matrix() const
   {
     std::vector<Product> products = Inertia::matrix();
-    if (elastic)
-      for (unsigned int s = 0; s < moved.size(); ++s)
-        {
-          const ImmersedStructure<dim> &structure = system.structures[s];
-          const StructureModel<dim> &model        = *structure.model;
-          const std::uint64_t n_motion            = dim * structure.nodes.size();
-          Product product{n_motion,
-                          n_motion,
-                          {},
-                          model.tangent(moved[s]),
-                          structure.motion->entries(system.space),
-                          true};
-          for (MatrixEntry &entry : product.middle)
-            entry.value *= tau;
-          if (!model.conservative())
-            {
-              product.n_left    = dim * model.load_points().size();
-              product.left      = structure.spreading().entries(system.space);
-              product.symmetric = false;
-            }
-          products.push_back(std::move(product));
-        }
+    for (unsigned int s = 0; s < moved.size(); ++s)
+      {
+        if (!acts(s))
+          continue;
+        const ImmersedStructure<dim> &structure = system.structures[s];
+        const StructureModel<dim> &model        = *structure.model;
+        const std::uint64_t n_motion            = dim * structure.nodes.size();
+        Product product{n_motion, n_motion, {}, {}, structure.motion->entries(system.space), true};
+        if (elastic)
+          product.middle = model.tangent(moved[s]);
+        for (MatrixEntry &entry : product.middle)
+          entry.value *= tau;
+        if (model.viscous())
+          {
+            const MatrixEntries viscous = model.viscous_tangent(geometry[s]);
+            product.middle.insert(product.middle.end(), viscous.begin(), viscous.end());
+          }
+        if (!model.conservative())
+          {
+            product.n_left    = dim * model.load_points().size();
+            product.left      = structure.spreading().entries(system.space);
+            product.symmetric = false;
+          }
+        products.push_back(std::move(product));
+      }
     return products;
   }
 

@@ -21,17 +21,18 @@ namespace feib
   template <int dim>
   StructureStep<dim>::StructureStep(const EulerianSpace<dim> &space,
                                     const ImmersedStructure<dim> &structure,
-                                    const Positions<dim> &geometry,
-                                    const NodalField<dim> &U,
-                                    const NodalField<dim> &force,
+                                    const Motion &motion,
+                                    const double time,
                                     const double dt,
                                     const bool midpoint)
     : space(space)
     , structure(structure)
     , model(*structure.model)
-    , geometry(geometry)
-    , U(U)
-    , force(force)
+    , geometry(motion.geometry)
+    , U(motion.U)
+    , force(motion.force)
+    , viscous_force(motion.viscous_force)
+    , time(time)
     , dt(dt)
     , midpoint(midpoint)
   {}
@@ -39,9 +40,9 @@ namespace feib
 
   template <int dim>
   typename StructureStep<dim>::Exchange
-  StructureStep<dim>::take()
+  StructureStep<dim>::take(const double energy)
   {
-    add_elastic();
+    add_elastic(energy);
     add_inertial();
     if (model.mesh().structure_dim() == dim || model.mesh().closed())
       exchange.leak = leak();
@@ -67,8 +68,26 @@ namespace feib
 
 
   template <int dim>
+  double
+  StructureStep<dim>::work_along_the_way(const Positions<dim> &old,
+                                         const NodalField<dim> &velocity) const
+  {
+    // By two Gauss points, exact where the energy is a polynomial of degree 4.
+    double work = 0;
+    NodalField<dim> load;
+    for (const double theta : {.5 - std::sqrt(1. / 12), .5 + std::sqrt(1. / 12)})
+      {
+        model.load(displaced(old, theta * dt, U), load);
+        for (unsigned int q = 0; q < load.size(); ++q)
+          work += dt / 2 * (load[q] * velocity[q]);
+      }
+    return work;
+  }
+
+
+  template <int dim>
   void
-  StructureStep<dim>::add_elastic()
+  StructureStep<dim>::add_elastic(const double energy)
   {
     const Positions<dim> old = model.positions;
     NodalField<dim> velocity = U; // at the load points
@@ -77,28 +96,25 @@ namespace feib
     const Positions<dim> points = model.load_points().positions(geometry);
     for (unsigned int q = 0; q < force.size(); ++q)
       add_force(force[q], points[q], velocity[q]);
+    const double elastic_power = exchange.power;
+    for (unsigned int q = 0; q < viscous_force.size(); ++q)
+      add_force(viscous_force[q], points[q], velocity[q]);
 
-    // The work along the way is found by two Gauss points, exact where the energy is a polynomial
-    // of degree 4.
-    const double before     = model.energy(old);
-    model.positions         = displaced(old, dt, U);
-    exchange.elastic_energy = model.energy(model.positions);
-    const double way        = before - exchange.elastic_energy;
-    double work             = way;
-    if (model.conservative())
-      {
-        work = 0;
-        NodalField<dim> load;
-        for (const double theta : {.5 - std::sqrt(1. / 12), .5 + std::sqrt(1. / 12)})
-          {
-            model.load(displaced(old, theta * dt, U), load);
-            for (unsigned int q = 0; q < load.size(); ++q)
-              work += dt / 2 * (load[q] * velocity[q]);
-          }
-      }
-    exchange.numerical    = work - dt * exchange.power;
+    // Within the step the moment is that of the load and the energy is one: what it loses is work.
+    const double before = model.energy(old);
+    model.positions     = displaced(old, dt, U);
+    const double after = model.energy(model.positions), way = before - after;
+    const double work     = model.conservative() ? work_along_the_way(old, velocity) : way;
+    exchange.numerical    = work - dt * elastic_power;
     exchange.unexplained  = way - work;
     exchange.elastic_work = std::abs(work);
+
+    model.set_moment(time + dt, dt);
+    model.update_state(model.positions);
+    model.set_moment(time + dt, 0.);
+    exchange.elastic_energy = model.energy(model.positions);
+    exchange.inelastic =
+      (energy - before) + (after - exchange.elastic_energy) - dt * (exchange.power - elastic_power);
   }
 
 

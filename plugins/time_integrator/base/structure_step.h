@@ -13,18 +13,26 @@ namespace feib
   public:
     using Exchange = typename TimeIntegrator<dim>::Exchange;
 
-    /// @p geometry: where J is. @p U: velocities of the nodes, J u_s. @p force: the elastic force
-    /// that acts at the load points. Arguments must outlive the object.
+    /// What the solution of the fluid means for the structure.
+    struct Motion
+    {
+      const Positions<dim> &geometry;       // where J is
+      const NodalField<dim> &U;             // velocities of the nodes, J u_s
+      const NodalField<dim> &force;         // elastic, that acts at the load points
+      const NodalField<dim> &viscous_force; // and viscous; empty without
+    };
+
+    /// A step from @p time to time + dt. Arguments must outlive the object.
     StructureStep(const EulerianSpace<dim> &space,
                   const ImmersedStructure<dim> &structure,
-                  const Positions<dim> &geometry,
-                  const NodalField<dim> &U,
-                  const NodalField<dim> &force,
+                  const Motion &motion,
+                  double time,
                   double dt,
                   bool midpoint);
 
-    /// Moves the structure by dt U. Collective.
-    Exchange take();
+    /// Moves the structure by dt U, and the state of its laws; @p energy: that of the structure at
+    /// the beginning. Collective.
+    Exchange take(double energy);
 
   private:
     /// Adds a force on the fluid at @p x, which moves with the velocity.
@@ -32,9 +40,12 @@ namespace feib
                    const dealii::Point<dim> &x,
                    const dealii::Tensor<1, dim> &velocity);
 
-    /// The elastic force that acted, the work of the load along the way of the step and the energy
-    /// it comes from.
-    void add_elastic();
+    /// The forces that acted at the load points, the work of the load along the way of the step and
+    /// the energy it comes from, @p energy at the beginning.
+    void add_elastic(double energy);
+
+    /// The work of the load along the way from @p old, with the moment as it is.
+    double work_along_the_way(const Positions<dim> &old, const NodalField<dim> &velocity) const;
 
     /// The inertia of the excess mass; the velocities move to the end of the step.
     void add_inertial();
@@ -46,8 +57,8 @@ namespace feib
     const ImmersedStructure<dim> &structure;
     StructureModel<dim> &model;
     const Positions<dim> &geometry;
-    const NodalField<dim> &U, &force;
-    const double dt;
+    const NodalField<dim> &U, &force, &viscous_force;
+    const double time, dt;
     const bool midpoint;
     Exchange exchange;
   };

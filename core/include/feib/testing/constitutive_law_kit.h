@@ -151,12 +151,16 @@ namespace feib::testing
       const auto P      = sample.stress(sample.F);
       const auto dP     = sample.stress_derivative(sample.dF);
       const auto points = sample.points;
+      const auto state  = sample.moment.state;
       const auto F = sample.F, dF = sample.dF;
       for (unsigned int q = 0; q < points.size(); ++q)
         {
           sample.F  = {F[q]};
           sample.dF = {dF[q]};
-          sample.law->set_points({points[q]});
+          sample.set_points({points[q]});
+          for (unsigned int v = 0; v < state.size(); ++v)
+            sample.moment.state[v] = {state[v][q]};
+          sample.law->set_moment(sample.moment);
           const double energy = sample.energy(sample.F)[0];
           EXPECT_NEAR(energy, W[q], 1e-14 * (1 + std::abs(W[q])))
             << "the energy of a point depends on the points around it";
@@ -208,6 +212,112 @@ namespace feib::testing
       for (const double W : sample.energy(inverted))
         EXPECT_TRUE(std::isfinite(W))
           << "W is not finite where det F <= 0; say so by needs_positive_determinant()";
+    });
+  }
+
+
+  /// Energy and stress change with time only where the law says so.
+  inline void
+  check_time(const std::string &law, const std::string &block)
+  {
+    for_each_law(law, block, [](auto &sample) {
+      if (sample.law->time_dependent())
+        return;
+      const auto W          = sample.energy(sample.F);
+      sample.moment.time    = .37;
+      sample.moment.elapsed = .11;
+      sample.law->set_moment(sample.moment);
+      const auto later = sample.energy(sample.F);
+      for (unsigned int q = 0; q < W.size(); ++q)
+        EXPECT_EQ(later[q], W[q]) << "W changes with time; say so by time_dependent()";
+    });
+  }
+
+
+  /// The state moves on once for each step, to what F makes it, and energy falls by that.
+  inline void
+  check_state(const std::string &law, const std::string &block)
+  {
+    for_each_law(law, block, [](auto &sample) {
+      const auto W     = sample.energy(sample.F);
+      const auto next  = sample.updated_state(sample.F);
+      const auto again = sample.updated_state(sample.F);
+      for (unsigned int v = 0; v < next.size(); ++v)
+        for (unsigned int q = 0; q < W.size(); ++q)
+          {
+            EXPECT_TRUE(std::isfinite(next[v][q])) << "the state is not finite";
+            EXPECT_EQ(again[v][q], next[v][q])
+              << "the state is another when it is asked for again: update_state() must not change "
+                 "the law";
+            EXPECT_EQ(sample.energy(sample.F)[q], W[q])
+              << "W is another after update_state(), though the state held is the same";
+          }
+      sample.moment.state = next;
+      sample.law->set_moment(sample.moment);
+      const auto less = sample.energy(sample.F);
+      for (unsigned int q = 0; q < W.size(); ++q)
+        EXPECT_LE(less[q], W[q] + 1e-12 * (1 + std::abs(W[q])))
+          << "the energy grows when the state moves on: W(F) must be what is stored and what is "
+             "dissipated on the way from the state held";
+      const auto after = sample.updated_state(sample.F);
+      for (unsigned int v = 0; v < next.size(); ++v)
+        for (unsigned int q = 0; q < W.size(); ++q)
+          EXPECT_NEAR(after[v][q], next[v][q], 1e-12 * (1 + std::abs(next[v][q])))
+            << "the state moves on though neither F nor time does: is it counted twice?";
+    });
+  }
+
+
+  /// The viscous stress is linear in the rate, has a potential, dissipates, and does not see
+  /// rotations.
+  inline void
+  check_viscous_stress(const std::string &law, const std::string &block)
+  {
+    for_each_law(law, block, [](auto &sample) {
+      auto other = sample.dF, sum = sample.dF, turning = sample.F;
+      const auto Q = sample.rotation();
+      auto skew    = Q - transpose(Q);
+      auto turned = sample.F, turned_rate = sample.dF;
+      for (unsigned int q = 0; q < other.size(); ++q)
+        {
+          for (unsigned int i = 0; i < other[q].dimension; ++i)
+            for (unsigned int k = 0; k < other[q][i].dimension; ++k)
+              other[q][i][k] = sample.random();
+          for (unsigned int i = 0; i < other[q].dimension; ++i)
+            sum[q][i] = 2. * sample.dF[q][i] + other[q][i];
+          turning[q]     = sample.rotated(skew, sample.F[q]);
+          turned[q]      = sample.rotated(Q, sample.F[q]);
+          turned_rate[q] = sample.rotated(Q, sample.dF[q]);
+        }
+      const auto P = sample.viscous_stress(sample.F, sample.dF),
+                 O = sample.viscous_stress(sample.F, other),
+                 S = sample.viscous_stress(sample.F, sum),
+                 T = sample.viscous_stress(sample.F, turning),
+                 R = sample.viscous_stress(turned, turned_rate);
+      for (unsigned int q = 0; q < P.size(); ++q)
+        {
+          const double size = 1 + std::sqrt(sample.product(P[q], P[q]));
+          if (!sample.law->viscous())
+            {
+              EXPECT_EQ(sample.product(P[q], P[q]), 0)
+                << "there is a viscous stress; say so by viscous()";
+            }
+          auto expected = P[q];
+          expected *= 2.;
+          expected += O[q];
+          EXPECT_LT(sample.distance(S[q], expected), 1e-11 * size)
+            << "the viscous stress is not linear in dF/dt";
+          EXPECT_GE(sample.product(P[q], sample.dF[q]), -1e-12 * size)
+            << "the viscous stress drives instead of damping: P : dF/dt < 0";
+          EXPECT_NEAR(sample.product(P[q], other[q]),
+                      sample.product(O[q], sample.dF[q]),
+                      1e-11 * size)
+            << "the viscous stress has no dissipation potential: P(A) : B is not P(B) : A";
+          EXPECT_LT(std::sqrt(sample.product(T[q], T[q])), 1e-11 * size)
+            << "the viscous stress resists a rotation of the whole";
+          EXPECT_LT(sample.distance(R[q], sample.rotated(Q, P[q])), 1e-11 * size)
+            << "the viscous stress depends on how the observer stands";
+        }
     });
   }
 
@@ -286,6 +396,21 @@ namespace feib::testing
   TEST_P(ConstitutiveLawKit, IsFiniteAtRest)
   {
     for_examples(check_rest);
+  }
+
+  TEST_P(ConstitutiveLawKit, SaysWhetherItDependsOnTime)
+  {
+    for_examples(check_time);
+  }
+
+  TEST_P(ConstitutiveLawKit, StateMovesOnAndDissipates)
+  {
+    for_examples(check_state);
+  }
+
+  TEST_P(ConstitutiveLawKit, ViscousStressDissipates)
+  {
+    for_examples(check_viscous_stress);
   }
 
   TEST_P(ConstitutiveLawKit, SaysWhereItIsNotDefined)

@@ -49,7 +49,56 @@ namespace feib::testing
                 }
           while (dealii::DerivativeForm<1, structure_dim, dim>(F[q]).determinant() < .3);
         }
+      set_points(points);
+      if (!moment.state.empty())
+        {
+          // The state of another deformation, so that it means something.
+          auto before = F;
+          for (Matrix &matrix : before)
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int k = 0; k < structure_dim; ++k)
+                matrix[i][k] = (i == k) + law->tested_strain() / 2 * random();
+          moment.state = updated_state(before);
+          law->set_moment(moment);
+        }
+    }
+
+    /// Other points, with their initial state.
+    void
+    set_points(const std::vector<typename Law::MaterialPoint> &new_points)
+    {
+      points = new_points;
       law->set_points(points);
+      moment = {};
+      for (const auto &variable : law->state_variables())
+        moment.state.emplace_back(points.size(), variable.initial);
+      law->set_moment(moment);
+    }
+
+    /// The state after a step that ends with @p F.
+    std::vector<std::vector<double>>
+    updated_state(const std::vector<Matrix> &F) const
+    {
+      auto state = moment.state;
+      law->update_state(F, state);
+      EXPECT_EQ(state.size(), moment.state.size()) << "one array for each state variable";
+      state.resize(moment.state.size());
+      for (auto &values : state)
+        {
+          EXPECT_EQ(values.size(), F.size()) << "one value for each point";
+          values.resize(F.size());
+        }
+      return state;
+    }
+
+    std::vector<Matrix>
+    viscous_stress(const std::vector<Matrix> &F, const std::vector<Matrix> &rate) const
+    {
+      std::vector<Matrix> P;
+      law->viscous_stress(F, rate, P);
+      EXPECT_EQ(P.size(), F.size()) << "one value for each point";
+      P.resize(F.size());
+      return P;
     }
 
     double
@@ -145,6 +194,7 @@ namespace feib::testing
 
     std::mt19937 generator;
     std::unique_ptr<Law> law;
+    typename Law::Moment moment; // what the law is told
     std::vector<typename Law::MaterialPoint> points;
     std::vector<Matrix> F, dF;
   };

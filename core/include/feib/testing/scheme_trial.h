@@ -58,6 +58,19 @@ namespace feib::testing
   };
 
 
+  /// A setting of the case in two dimensions: the body is viscous, softens and pulls, so that a
+  /// scheme must take its state and time along.
+  inline Case::Settings
+  inelastic_body()
+  {
+    return {{"/structures/1/hyperelastic/law",
+             R"j({"kelvin_voigt": {"viscosity": 0.05, "law":
+                  {"active_fibre": {"tension": "0.3 + 5*t", "fibres": [[1, 0]], "law":
+                   {"mullins_damage": {"r": 1.5, "m": 0.02, "law":
+                    {"neo_hookean": {"shear_modulus": 2, "stress_free": true}}}}}}}})j"}};
+  }
+
+
   /// The fluid solver of a trial, which gives up in a call of advance() when it is told to.
   template <int dim>
   class FailingFluid : public FluidSolver<dim>
@@ -144,7 +157,8 @@ namespace feib::testing
                                   report.unexplained,
                                   report.displacement_error};
     for (const auto &exchange : report.exchanges)
-      result.insert(result.end(), {exchange.power, exchange.leak, exchange.force[0]});
+      result.insert(result.end(),
+                    {exchange.power, exchange.leak, exchange.inelastic, exchange.force[0]});
     for (const auto &structure : trial.structures)
       for (unsigned int i = 0; i < structure.model->positions.size(); ++i)
         for (unsigned int a = 0; a < dim; ++a)

@@ -25,6 +25,10 @@ namespace feib::testing
     for (unsigned int k = 0; k < structure_dim; ++k)
       points[0].frame[k][k] = 1;
     law->set_points(points);
+    typename Law::Moment moment;
+    for (const auto &variable : law->state_variables())
+      moment.state.emplace_back(1, variable.initial);
+    law->set_moment(moment);
     std::vector<double> W;
     std::vector<typename Law::Matrix> P;
     law->energy({F}, W);

@@ -209,6 +209,56 @@ namespace feib::testing
     });
   }
 
+  /// What depends on velocities damps, and its entries are those of its derivative.
+  TEST_P(StructureModelKit, ViscousLoadDampsAndHasItsEntries)
+  {
+    for_each_example([](const auto &model, const auto &X) {
+      constexpr unsigned int dim = std::decay_t<decltype(X[0])>::dimension;
+      const auto U               = random_field<dim>(X.size(), 1., 3);
+      NodalField<dim> expected;
+      model.viscous_load(X, U, expected);
+      ASSERT_EQ(expected.size(), model.load_points().size());
+      std::vector<double> by_entries(expected.size() * dim, 0.);
+      for (const MatrixEntry &entry : model.viscous_tangent(X))
+        {
+          ASSERT_LT(entry.row, by_entries.size());
+          ASSERT_LT(entry.column, X.size() * dim);
+          by_entries[entry.row] -= entry.value * U[entry.column / dim][entry.column % dim];
+        }
+      dealii::Utilities::MPI::sum(by_entries, MPI_COMM_WORLD, by_entries);
+      const double scale = norm(expected);
+      EXPECT_EQ(scale > 0, model.viscous());
+      for (unsigned int q = 0; q < expected.size(); ++q)
+        for (unsigned int a = 0; a < dim; ++a)
+          EXPECT_NEAR(by_entries[q * dim + a], expected[q][a], 1e-12 * scale);
+      if (model.conservative())
+        {
+          EXPECT_LE(product(expected, at_points(model.load_points(), U)), 0);
+        }
+    });
+  }
+
+  /// The state of laws, and what follows from it, is undone with the structure.
+  TEST_P(StructureModelKit, StateIsUndone)
+  {
+    for_each_example([](auto &model, const auto &X) {
+      constexpr unsigned int dim = std::decay_t<decltype(X[0])>::dimension;
+      MemoryArchive before;
+      before.start_writing();
+      model.archive(before);
+      const double energy = model.energy(X);
+      const auto state    = model.state();
+      model.update_state(moved(X, random_field<dim>(X.size(), .05 * model.mesh().diameter(), 7)));
+      model.set_moment(.1, .1);
+      for (const auto &[name, values] : model.state())
+        EXPECT_EQ(values.size(), model.mesh().n_elements()) << name;
+      before.start_reading();
+      model.archive(before);
+      EXPECT_EQ(model.energy(X), energy);
+      EXPECT_EQ(model.state(), state);
+    });
+  }
+
   TEST_P(StructureModelKit, ExcessMassIsPositiveAndOneForEachNode)
   {
     for_each_example([](const auto &model, const auto &X) {

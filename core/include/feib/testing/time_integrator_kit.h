@@ -53,10 +53,10 @@ namespace feib::testing
   /// had never been, and made again with the same result; so is one that had succeeded.
   template <int dim>
   void
-  check_undo(const std::string &scheme, const std::string &block)
+  check_undo_of(const std::string &scheme, const std::string &block, const Case::Settings &settings)
   {
     SCOPED_TRACE("dimension " + std::to_string(dim));
-    SchemeTrial<dim> trial(scheme, block);
+    SchemeTrial<dim> trial(scheme, block, settings);
     trial.fluid = std::make_unique<FailingFluid<dim>>(std::move(trial.fluid));
     auto &fluid = static_cast<FailingFluid<dim> &>(*trial.fluid);
     MemoryArchive before;
@@ -87,21 +87,48 @@ namespace feib::testing
   /// A run that is taken up from a checkpoint by new objects goes on to the bit.
   template <int dim>
   void
-  check_checkpoint(const std::string &scheme, const std::string &block)
+  check_checkpoint_of(const std::string &scheme,
+                      const std::string &block,
+                      const Case::Settings &settings)
   {
     SCOPED_TRACE("dimension " + std::to_string(dim));
-    SchemeTrial<dim> trial(scheme, block);
+    SchemeTrial<dim> trial(scheme, block, settings);
     const unsigned int n_steps = dim == 2 ? 3 : 2;
     for (unsigned int n = 0; n < n_steps; ++n)
       trial.step();
     MemoryCheckpoint<dim> checkpoint;
     trial.archive(checkpoint);
 
-    SchemeTrial<dim> resumed(scheme, block);
+    SchemeTrial<dim> resumed(scheme, block, settings);
     checkpoint.start_reading(resumed.space);
     resumed.archive(checkpoint);
     for (unsigned int n = 0; n < n_steps; ++n)
       expect_same(step_in_numbers(resumed), step_in_numbers(trial));
+  }
+
+
+  template <int dim>
+  void
+  check_undo(const std::string &scheme, const std::string &block)
+  {
+    check_undo_of<dim>(scheme, block, {});
+  }
+
+  template <int dim>
+  void
+  check_checkpoint(const std::string &scheme, const std::string &block)
+  {
+    check_checkpoint_of<dim>(scheme, block, {});
+  }
+
+
+  /// All of these, with a body whose law depends on the rate, on its state and on time.
+  inline void
+  check_inelastic(const std::string &scheme, const std::string &block)
+  {
+    check_energy_of<2>(scheme, block, inelastic_body());
+    check_undo_of<2>(scheme, block, inelastic_body());
+    check_checkpoint_of<2>(scheme, block, inelastic_body());
   }
 
 
@@ -237,7 +264,8 @@ namespace feib::testing
 
   /// What every time integrator must keep, tried for each example of its schema. Include it in one
   /// source of a test program; with navier_stokes, variational, membrane, hyperelastic,
-  /// anisotropic_linear and neo_hookean among the plugins.
+  /// anisotropic_linear, neo_hookean, kelvin_voigt, active_fibre and mullins_damage among the
+  /// plugins.
   class TimeIntegratorKit : public ::testing::TestWithParam<SchemeUnderTest>
   {
   protected:
@@ -276,6 +304,11 @@ namespace feib::testing
   {
     check(check_checkpoint<2>);
     check(check_checkpoint<3>);
+  }
+
+  TEST_P(TimeIntegratorKit, TakesViscosityStateAndTimeAlong)
+  {
+    check(check_inelastic);
   }
 
   TEST_P(TimeIntegratorKit, IsStableAsItSays)

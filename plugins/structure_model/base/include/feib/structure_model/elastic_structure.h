@@ -14,7 +14,7 @@
 
 namespace feib
 {
-  /// A hyperelastic structure of dimension m = dim or dim-1 on P1 simplices: what the components
+  /// An elastic structure of dimension m = dim or dim-1 on P1 simplices: what the components
   /// `hyperelastic` and `membrane` share. P is constant on an element, so integration by parts is
   /// exact and the load lives on the faces (FaceLoads).
   template <int structure_dim, int dim>
@@ -36,6 +36,14 @@ namespace feib
 
     const Mesh &mesh() const override;
 
+    void archive(Archive &archive) override;
+
+    void set_moment(double time, double elapsed) override;
+
+    void update_state(const Positions<dim> &X) override;
+
+    std::vector<std::pair<std::string, std::vector<double>>> state() const override;
+
     /// The functions of X throw RunFailure on all ranks where an element is inverted that must not
     /// be, and where the law fails.
     double energy(const Positions<dim> &X) const override;
@@ -49,6 +57,14 @@ namespace feib
                          NodalField<dim> &dload) const override;
 
     MatrixEntries tangent(const Positions<dim> &X) const override;
+
+    bool viscous() const override;
+
+    void viscous_load(const Positions<dim> &X,
+                      const NodalField<dim> &U,
+                      NodalField<dim> &load) const override;
+
+    MatrixEntries viscous_tangent(const Positions<dim> &X) const override;
 
     bool linear() const override;
 
@@ -96,9 +112,20 @@ namespace feib
     /// W of this rank's elements. Collective.
     std::vector<double> local_energy_density(const Positions<dim> &X) const;
 
+    using Columns = typename FaceLoads<structure_dim, dim>::Columns;
+
+    /// What a linear function of this rank's matrices, (dF, dP), gives for each unit dF.
+    template <typename Function>
+    Columns columns(const char *what, const Function &function) const;
+
     /// d2W/dF2 of this rank's elements. Collective.
-    typename FaceLoads<structure_dim, dim>::Columns
-    tangent_columns(const std::vector<Matrix> &F) const;
+    Columns tangent_columns(const std::vector<Matrix> &F) const;
+
+    /// Values of this rank's elements as values of all. Collective.
+    std::vector<double> all_elements(const std::vector<double> &local) const;
+
+    /// Forgets what depends on the moment, where the law does.
+    void moment_has_changed();
 
     /// The measure with its sign, and its first moment about X[0].
     const std::pair<double, dealii::Tensor<1, dim>> &measure_moments(const Positions<dim> &X) const;
@@ -108,6 +135,8 @@ namespace feib
     unsigned int first, last; // the elements of this rank
     std::string law_name;
     std::unique_ptr<Law> law;
+    std::vector<std::string> state_names;
+    typename Law::Moment moment; // of this rank's elements
     FaceLoads<structure_dim, dim> faces;
     std::vector<double> node_masses; // lumped excess mass; empty: none
 
@@ -127,6 +156,12 @@ namespace feib
             positions = X;
           }
         return value;
+      }
+
+      void
+      forget()
+      {
+        positions = {};
       }
 
     private:

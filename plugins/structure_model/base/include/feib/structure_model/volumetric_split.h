@@ -2,10 +2,7 @@
 #ifndef feib_structure_model_volumetric_split_h
 #define feib_structure_model_volumetric_split_h
 
-#include <feib/constitutive_law.h>
-
-#include <memory>
-#include <vector>
+#include <feib/modified_law.h>
 
 namespace feib
 {
@@ -17,16 +14,13 @@ namespace feib
   ///   P = J^-c (P_bar - c (P_bar : F) G) + k ln J G.
   /// The modulus k is a force per area, in 2D per length.
   template <int dim>
-  class VolumetricSplit : public ConstitutiveLaw<dim, dim>
+  class VolumetricSplit : public ModifiedLaw<dim, dim>
   {
   public:
-    using Law           = ConstitutiveLaw<dim, dim>;
-    using Matrix        = typename Law::Matrix;
-    using MaterialPoint = typename Law::MaterialPoint;
+    using Law    = ConstitutiveLaw<dim, dim>;
+    using Matrix = typename Law::Matrix;
 
     VolumetricSplit(std::unique_ptr<Law> law, bool deviatoric, double k);
-
-    void set_points(const std::vector<MaterialPoint> &points) override;
 
     void energy(const std::vector<Matrix> &F, std::vector<double> &W) const override;
 
@@ -36,11 +30,17 @@ namespace feib
                            const std::vector<Matrix> &dF,
                            std::vector<Matrix> &dP) const override;
 
+    void update_state(const std::vector<Matrix> &F,
+                      std::vector<std::vector<double>> &state) const override;
+
+    bool linear() const override;
+
     bool needs_positive_determinant() const override;
 
   private:
-    std::unique_ptr<Law> law;
-    double c, k;
+    using ModifiedLaw<dim, dim>::law;
+
+    const double c, k;
   };
 } // namespace feib
 

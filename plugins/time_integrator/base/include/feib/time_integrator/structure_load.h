@@ -8,9 +8,10 @@
 namespace feib
 {
   /// The part of the structures' load that depends on the velocity u being computed,
-  ///   J^T [ F(X^n + tau J u) - M/tau (J u - V^n) ],
-  /// J at the geometry the couplings are set to, X^n and V^n what the structures hold. F is left
-  /// out where the scheme takes the elastic force explicitly, M where there is no excess mass.
+  ///   J^T [ F(X^n + tau J u) + F_v(X_g, J u) - M/tau (J u - V^n) ],
+  /// J at the geometry X_g the couplings are set to, X^n and V^n what the structures hold. F is
+  /// left out where the scheme takes the elastic force explicitly; M and the viscous load F_v where
+  /// there are none.
   template <int dim>
   class StructureLoad : public InertialLoad<dim>
   {
@@ -18,8 +19,11 @@ namespace feib
     using System  = typename TimeIntegrator<dim>::System;
     using Product = typename ImplicitLoad<dim>::Product;
 
-    /// @p elastic: whether F is a part of it.
-    StructureLoad(const System &system, double tau, bool elastic);
+    /// @p geometry: X_g, must outlive the object. @p elastic: whether F is a part of it.
+    StructureLoad(const System &system,
+                  double tau,
+                  const std::vector<Positions<dim>> &geometry,
+                  bool elastic);
 
     /// Whether there is nothing in it.
     bool empty() const;
@@ -39,8 +43,12 @@ namespace feib
   private:
     using Inertia = InertialLoad<dim>;
 
+    /// Whether structure @p s has a part in the load beside its inertia.
+    bool acts(unsigned int s) const;
+
     const System &system;
     const double tau;
+    const std::vector<Positions<dim>> &geometry;
     const bool elastic;
     Positions<dim> moved_by(unsigned int s, const NodalField<dim> &U) const;
 
