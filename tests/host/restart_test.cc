@@ -376,7 +376,8 @@ namespace
         json document                                       = disc_case();
         document["fluid"]["navier_stokes"]["linear_solver"] = "multigrid";
         document["time"]["integrator"]                      = {{scheme, json::object()}};
-        document["time"]["step"]                            = 0.01;
+        document["time"]["step"]                            = 0.005;
+        document["time"]["control"]                         = {{"fixed", json::object()}};
         document["structures"][0]["hyperelastic"]["law"]    = {
              {"kelvin_voigt", {{"viscosity", .02}, {"law", active}}}};
         document["output"]      = json::parse(R"([{"ledger_csv":{}}])");
