@@ -2,11 +2,10 @@
 #include "divergence_free_schema.h"
 
 #include <feib/coupling_operator.h>
-#include <feib/error.h>
+#include <feib/failure.h>
 #include <feib/plugin.h>
 #include <feib/reconstruction.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
@@ -150,7 +149,7 @@ namespace feib
 
     // The geometry, with this rank's cells.
     std::unique_ptr<Reconstruction<dim>> reconstruction; // null before a cell is known
-    unsigned int n_points = 0;
+    NodalField<dim> zero;                                // of the points
     std::vector<Sheet> sheets;
     std::vector<unsigned int> touched_cells;
     std::vector<Piece> pieces;
@@ -227,37 +226,40 @@ namespace feib
     if (!reconstruction && !space.cells().empty())
       reconstruction = std::make_unique<Reconstruction<dim>>(space.cells()[0].size);
     const Positions<dim> x = points.positions(X);
-    n_points               = x.size();
-    for (unsigned int q = 0; q < n_points; ++q)
-      // Positions are the same on all ranks, so all of them throw.
-      if (!space.forest().inside(x[q]))
-        {
-          std::ostringstream message;
-          message << "point " << q << " of a structure is at (" << x[q] << "), outside the box";
-          throw RunFailure(message.str());
-        }
+    zero                   = NodalField<dim>(points);
+    agree(space.communicator(), [&] {
+      for (unsigned int q = 0; q < x.size(); ++q)
+        if (!space.forest().inside(x[q]))
+          {
+            std::ostringstream message;
+            message << "point " << q << " of a structure is at (" << x[q] << "), outside the box";
+            throw RunFailure(message.str());
+          }
+    });
 
     sheets.clear();
     if (points.are_nodes(mesh.n_nodes()))
       sheets = find_sheets(space.domain(), mesh, X);
-    for (const Sheet &sheet : sheets)
-      for (unsigned int a = 0; a < dim; ++a)
-        for (const unsigned int i : sheet.nodes)
-          if (std::abs(X[i][a] - X[sheet.nodes[0]][a]) >
-              space.domain().upper[a] - space.domain().lower[a])
-            throw RunFailure("a structure is torn: one of its elements is longer than the box");
+    agree(space.communicator(), [&] {
+      for (const Sheet &sheet : sheets)
+        for (unsigned int a = 0; a < dim; ++a)
+          for (const unsigned int i : sheet.nodes)
+            if (std::abs(X[i][a] - X[sheet.nodes[0]][a]) >
+                space.domain().upper[a] - space.domain().lower[a])
+              throw RunFailure("a structure is torn: one of its elements is longer than the box");
+    });
     set_flux_maps(X);
     cut_sheets(space, X);
 
     // What is left: nodes inside a body or in walls, and load points between the nodes.
-    std::vector<bool> moved(n_points, false);
+    std::vector<bool> moved(x.size(), false);
     for (const Sheet &sheet : sheets)
       for (unsigned int v = 0; v < dim; ++v)
         if (sheet.moves[v])
           moved[sheet.nodes[v]] = true;
     plain.clear();
     dealii::Point<dim> unit;
-    for (unsigned int q = 0; q < n_points; ++q)
+    for (unsigned int q = 0; q < x.size(); ++q)
       if (!moved[q])
         if (const unsigned int cell = space.forest().locate(x[q], unit);
             cell != CartesianForest<dim>::not_here)
@@ -315,6 +317,7 @@ namespace feib
   void
   DivergenceFree<dim>::set_flux_maps(const Positions<dim> &X)
   {
+    // Sums over all facets around a node: every rank has them all.
     std::vector<dealii::Tensor<1, dim>> normals(sheets.size()), sums(X.size());
     std::vector<double> areas(X.size(), 0.);
     std::vector<unsigned int> n_facets(X.size(), 0);
@@ -536,7 +539,7 @@ namespace feib
                                    const VelocityVector &u,
                                    NodalField<dim> &U) const
   {
-    std::vector<double> values(n_points * dim, 0.);
+    U                                     = zero;
     const std::vector<Coefficients> cells = coefficients(space, u);
     for (const Piece &piece : pieces)
       {
@@ -553,9 +556,7 @@ namespace feib
                          piece.bubbles[v][i][m] * cell.bubbles[i][m];
                 integral[i] = sum;
               }
-            const dealii::Tensor<1, dim> U_v = integral * sheet.maps[v];
-            for (unsigned int i = 0; i < dim; ++i)
-              values[sheet.nodes[v] * dim + i] += U_v[i];
+            U[sheet.nodes[v]] += integral * sheet.maps[v];
           }
       }
     for (const Plain &point : plain)
@@ -563,13 +564,10 @@ namespace feib
         const unsigned int *dofs = space.velocity_dofs(point.cell);
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int i = 0; i < n && !point.held[a]; ++i)
-            values[point.point * dim + a] += point.values[i] * u.local_element(dofs[a * n + i]);
+            U[point.point][a] += point.values[i] * u.local_element(dofs[a * n + i]);
       }
-    dealii::Utilities::MPI::sum(values, space.communicator(), values);
-    U.resize(n_points);
-    for (unsigned int q = 0; q < n_points; ++q)
-      for (unsigned int a = 0; a < dim; ++a)
-        U[q][a] = values[q * dim + a];
+    U.compress(space.communicator());
+    U.update_ghosts();
     for_each_shared(
       [&](const unsigned int i, const unsigned int j, const Matrix &A) { U[j] -= A * U[i]; });
   }
@@ -659,7 +657,7 @@ namespace feib
           add_row(std::uint64_t(place.first) * dim + a, place.second, weights);
         }
     // Where the velocity of a node in a wall enters beside its own row.
-    std::vector<std::vector<std::pair<unsigned int, Matrix>>> others(n_points);
+    std::vector<std::vector<std::pair<unsigned int, Matrix>>> others(zero.size());
     for_each_shared([&](const unsigned int i, const unsigned int j, const Matrix &A) {
       others[i].emplace_back(j, A);
     });
