@@ -17,6 +17,9 @@ namespace
     Requirement requirement;
     const char *name, *sentence;
   };
+
+  const ExpectNamed expect_named{"wrong_law",
+                                 R"({"neo_hookean": {"shear_modulus": 1.5, "stress_free": true}})"};
 } // namespace
 
 TEST(ConstitutiveLawKitItself, NamesWhatIsWrong)
@@ -43,9 +46,5 @@ TEST(ConstitutiveLawKitItself, NamesWhatIsWrong)
     {check_rest, "another when asked again", "W is another when it is asked for again"},
     {check_arrays, "depends on others", "the energy of a point depends on the points around it"}};
   for (const Fault &fault : faults)
-    expect_named(fault.requirement,
-                 "wrong_law",
-                 R"({"neo_hookean": {"shear_modulus": 1.5, "stress_free": true}})",
-                 fault.name,
-                 fault.sentence);
+    expect_named(fault.requirement, fault.name, fault.sentence);
 }
