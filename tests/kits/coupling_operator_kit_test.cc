@@ -10,15 +10,7 @@ namespace
 {
   using namespace feib::testing;
 
-  template <typename Requirement>
-  void
-  expect_named(const Requirement &requirement,
-               const std::string &fault,
-               const std::string &sentence)
-  {
-    feib::testing::expect_named(
-      requirement, "wrong_coupling", R"({"variational": {}})", fault, sentence);
-  }
+  const ExpectNamed expect_named{"wrong_coupling", R"({"variational": {}})"};
 } // namespace
 
 TEST(CouplingOperatorKitItself, NamesWhatIsWrong)

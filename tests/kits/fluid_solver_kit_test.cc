@@ -10,18 +10,8 @@ namespace
 {
   using namespace feib::testing;
 
-  template <typename Requirement>
-  void
-  expect_named(const Requirement &requirement,
-               const std::string &fault,
-               const std::string &sentence)
-  {
-    feib::testing::expect_named(requirement,
-                                "wrong_fluid",
-                                R"({"navier_stokes": {"density": 1.3, "viscosity": 0.05}})",
-                                fault,
-                                sentence);
-  }
+  const ExpectNamed expect_named{"wrong_fluid",
+                                 R"({"navier_stokes": {"density": 1.3, "viscosity": 0.05}})"};
 } // namespace
 
 TEST(FluidSolverKitItself, NamesWrongSteps)

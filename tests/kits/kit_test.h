@@ -40,19 +40,23 @@ namespace feib::testing
     return said;
   }
 
-  /// That a requirement of a kit names the fault of a component, @p of being what it is made of.
-  template <typename Requirement>
-  void
-  expect_named(const Requirement &requirement,
-               const std::string &component,
-               const std::string &of,
-               const std::string &fault,
-               const std::string &sentence)
+  /// Called, expects a requirement of a kit to name a fault of the component, which is made of
+  /// another one.
+  struct ExpectNamed
   {
-    const std::string block = "{\"of\": " + of + ", \"fault\": \"" + fault + "\"}",
-                      said  = judgement([&] { requirement(component, block); });
-    EXPECT_NE(said.find(sentence), std::string::npos) << fault << ": " << said;
-  }
+    std::string component, of;
+
+    template <typename Requirement>
+    void
+    operator()(const Requirement &requirement,
+               const std::string &fault,
+               const std::string &sentence) const
+    {
+      const std::string block = "{\"of\": " + of + ", \"fault\": \"" + fault + "\"}",
+                        said  = judgement([&] { requirement(component, block); });
+      EXPECT_NE(said.find(sentence), std::string::npos) << fault << ": " << said;
+    }
+  };
 } // namespace feib::testing
 
 #endif

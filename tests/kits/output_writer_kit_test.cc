@@ -10,19 +10,9 @@ namespace
 {
   using namespace feib::testing;
 
-  template <typename Requirement>
-  void
-  expect_named(const Requirement &requirement,
-               const std::string &fault,
-               const std::string &sentence)
-  {
-    feib::testing::expect_named(
-      requirement,
-      "wrong_writer",
-      R"({"probe": {"name": "a", "at": {"points": {"places": [[0.5, 0.5]]}}}})",
-      fault,
-      sentence);
-  }
+  const ExpectNamed expect_named{
+    "wrong_writer",
+    R"({"probe": {"name": "a", "at": {"points": {"places": [[0.5, 0.5]]}}}})"};
 } // namespace
 
 TEST(OutputWriterKitItself, NamesWhatIsWrong)

@@ -10,18 +10,8 @@ namespace
 {
   using namespace feib::testing;
 
-  template <typename Requirement>
-  void
-  expect_named(const Requirement &requirement,
-               const std::string &fault,
-               const std::string &sentence)
-  {
-    feib::testing::expect_named(requirement,
-                                "wrong_refinement",
-                                R"({"immersed_cells": {"level": 3, "minimum_level": 1}})",
-                                fault,
-                                sentence);
-  }
+  const ExpectNamed expect_named{"wrong_refinement",
+                                 R"({"immersed_cells": {"level": 3, "minimum_level": 1}})"};
 } // namespace
 
 TEST(RefinementStrategyKitItself, NamesWhatIsWrong)

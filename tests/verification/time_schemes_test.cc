@@ -386,7 +386,7 @@ TEST(TimeSchemes, TheLoadIsDifferentiatedExactly)
               run.space.pressure                                                     = 0.;
               run.structures[0].model->positions =
                 Trial<2>(thick ? shell : membrane, {}).structures[0].model->positions;
-              run.structures[0].model->velocities.assign(run.structures[0].nodes.size(), {});
+              run.structures[0].model->velocities = NodalField<2>(run.structures[0].nodes);
             }
           EXPECT_LE(iterations, 3u) << structure << quadrature;
         }

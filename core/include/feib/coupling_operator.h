@@ -30,21 +30,21 @@ namespace feib
     archive(Archive &)
     {}
 
-    /// Fixes the geometry: J at the positions X. Collective. Throws RunFailure when a point is not
-    /// in the box or not finite.
+    /// Fixes the geometry: J at the positions X. Collective. Throws RunFailure on all ranks when a
+    /// point is not in the box or not finite.
     virtual void set_geometry(const EulerianSpace<dim> &space,
                               const LagrangianMesh<dim> &mesh,
                               const Positions<dim> &X,
                               const LagrangianPoints &points) = 0;
 
-    /// U = J u, one velocity per point, the same on all ranks. @p u has its constraints distributed
-    /// and its ghost values up to date. Collective.
+    /// U = J u, one velocity per point, made anew from the points, ghosts up to date. @p u has its
+    /// constraints distributed and its ghost values up to date. Collective.
     virtual void interpolate(const EulerianSpace<dim> &space,
                              const VelocityVector &u,
                              NodalField<dim> &U) const = 0;
 
     /// rhs += J^T f on all degrees of freedom, constrained ones too (EulerianSpace::condense comes
-    /// after). @p f is the same on all ranks; @p rhs is compressed on return. Collective.
+    /// after). The ghosts of @p f are up to date; @p rhs is compressed on return. Collective.
     virtual void spread(const EulerianSpace<dim> &space,
                         const NodalField<dim> &f,
                         VelocityVector &rhs) const = 0;

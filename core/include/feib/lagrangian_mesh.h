@@ -2,9 +2,7 @@
 #ifndef feib_lagrangian_mesh_h
 #define feib_lagrangian_mesh_h
 
-#include <deal.II/base/mpi.h>
-#include <deal.II/base/point.h>
-#include <deal.II/base/tensor.h>
+#include <feib/nodal_field.h>
 
 #include <array>
 #include <cstdint>
@@ -15,21 +13,14 @@
 
 namespace feib
 {
-  /// A field with one vector per node (or per Lagrangian point), the same on all ranks.
-  template <int dim>
-  using NodalField = std::vector<dealii::Tensor<1, dim>>;
-
-  /// The current positions of a structure's nodes, the same on all ranks.
-  template <int dim>
-  using Positions = std::vector<dealii::Point<dim>>;
-
   /// The reference mesh of a structure: P1 simplices of dimension m = dim or dim-1 on flat arrays.
   ///
   /// Reference coordinates have dim components whatever m is (a curve uses the first alone, a
   /// surface in space all three). Each element carries the constant gradients of its m+1 shape
   /// functions in an orthonormal frame of its own, so that a seam of a periodic reference body,
-  /// where one node has two reference places, needs no special code. The whole mesh is replicated;
-  /// work on elements is divided by local_elements().
+  /// where one node has two reference places, needs no special code. Work on elements is divided
+  /// by local_elements(). For now every rank holds the whole mesh; who goes over all elements,
+  /// faces or facets relies on that (NodalValues says what will last).
   template <int dim>
   class LagrangianMesh
   {
@@ -147,7 +138,7 @@ namespace feib
     /// The largest reference diameter of an element, h_s.
     double diameter() const;
 
-    /// The elements [first, second) that this rank works on.
+    /// The elements [first, second) that this rank works on, each of them on one rank.
     std::pair<unsigned int, unsigned int> local_elements() const;
 
     /// The ranks that hold the mesh.

@@ -43,17 +43,24 @@ namespace feib
       return true;
     }
 
+    /// Where the points are when the nodes are at @p X.
     template <int dim>
     Positions<dim>
     positions(const Positions<dim> &X) const
     {
-      Positions<dim> x(size());
+      Positions<dim> x(*this);
       for (unsigned int q = 0; q < size(); ++q)
         for (unsigned int k = 0; k < nodes_per_point; ++k)
           x[q] += weight[q * nodes_per_point + k] * X[node[q * nodes_per_point + k]];
       return x;
     }
   };
+
+
+  template <typename Value>
+  NodalValues<Value>::NodalValues(const LagrangianPoints &points)
+    : values(points.size())
+  {}
 } // namespace feib
 
 #endif

@@ -36,8 +36,8 @@ namespace feib
 
     const std::vector<Result> &results() const;
 
-    /// --plugin-path, then FEIB_PLUGIN_PATH (colon separated), then the folder installed with Feib,
-    /// or, in a build tree, the folder the build writes plugins to.
+    /// --plugin-path, then FEIB_PLUGIN_PATH (colon separated), then feib/plugins beside Feib's
+    /// library, installed or in a build tree.
     static std::vector<std::string> search_path(const std::vector<std::string> &from_command_line);
 
   private:

@@ -82,7 +82,7 @@ namespace feib
     virtual const LagrangianPoints &load_points() const = 0;
 
     /// The load <F_h, v> = sum_q load[q] . v(x_q) at the load points. With the vertex rule
-    /// load = -dE_h/dX.
+    /// load = -dE_h/dX. Made anew, ghosts up to date.
     virtual void load(const Positions<dim> &X, NodalField<dim> &load) const = 0;
 
     /// The derivative of the load in the direction dX.
@@ -107,7 +107,7 @@ namespace feib
     {
       (void)X;
       (void)U;
-      load.assign(load_points().size(), dealii::Tensor<1, dim>());
+      load = NodalField<dim>(load_points());
     }
 
     /// - d viscous_load/dU as entries, like tangent().

@@ -116,6 +116,32 @@ namespace feib
   }
 
 
+  template <int dim>
+  Issues
+  unbalanced_flux(const Domain<dim> &box,
+                  const BoundaryFlux &interpolated,
+                  const double t,
+                  const MPI_Comm communicator)
+  {
+    // Numbers in cases are given with four digits or more.
+    constexpr double tolerated = 1e-4;
+    if (std::abs(interpolated.net) <= tolerated * interpolated.gross)
+      return {};
+    const BoundaryFlux flux = prescribed_flux(box);
+    for (const auto &face : box.faces)
+      if (face.velocity)
+        face.velocity->not_finite(communicator); // these were no nodes
+    if (std::abs(flux.net) <= tolerated * flux.gross + 3 * flux.error)
+      return {};
+    std::ostringstream message;
+    message << "the prescribed velocities let " << flux.in() << " into the box and " << flux.out()
+            << " out of it, per time, at time " << t
+            << "; a box without outflow needs the same: change them, or give a face the "
+               "condition outflow";
+    return {{box.pointer + "/boundary", message.str()}};
+  }
+
+
   template BoundaryFlux interpolated_flux(const dealii::DoFHandler<2> &,
                                           const Domain<2> &,
                                           const dealii::AffineConstraints<double> &);
@@ -137,6 +163,8 @@ namespace feib
 
   template std::string spread_flux_text(const EulerianSpace<2> &);
   template std::string spread_flux_text(const EulerianSpace<3> &);
+  template Issues unbalanced_flux(const Domain<2> &, const BoundaryFlux &, double, MPI_Comm);
+  template Issues unbalanced_flux(const Domain<3> &, const BoundaryFlux &, double, MPI_Comm);
   template BoundaryFlux prescribed_flux(const Domain<2> &);
   template BoundaryFlux prescribed_flux(const Domain<3> &);
 } // namespace feib

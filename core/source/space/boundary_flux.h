@@ -34,6 +34,14 @@ namespace feib
                                  const Domain<dim> &box,
                                  const dealii::AffineConstraints<double> &constraints);
 
+  /// Whether the prescribed velocities themselves, and not only their interpolation, carry a net
+  /// flux out of an enclosed box at their present time t. Collective.
+  template <int dim>
+  Issues unbalanced_flux(const Domain<dim> &box,
+                         const BoundaryFlux &interpolated,
+                         double t,
+                         MPI_Comm communicator);
+
   /// What to say of a flux that EulerianSpace has spread.
   template <int dim>
   std::string spread_flux_text(const EulerianSpace<dim> &space);

@@ -3,10 +3,10 @@
 
 #include "boundary_flux.h"
 #include "cell_order.h"
+#include "field_transfer.h"
 #include "velocity_constraints.h"
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/distributed/solution_transfer.h>
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <sstream>
 
 namespace feib
 {
@@ -49,31 +48,18 @@ namespace feib
     }
 
 
-    /// Whether the prescribed velocities themselves, and not only their interpolation, carry a net
-    /// flux out of an enclosed box.
-    template <int dim>
-    Issues
-    unbalanced_flux(const Domain<dim> &box,
-                    const BoundaryFlux &interpolated,
-                    const double t,
-                    const MPI_Comm communicator)
+    /// Adds the unknowns that constraints make values from.
+    dealii::IndexSet
+    with_masters(dealii::IndexSet unknowns, const dealii::AffineConstraints<double> &constraints)
     {
-      // Numbers in cases are given with four digits or more.
-      constexpr double tolerated = 1e-4;
-      if (std::abs(interpolated.net) <= tolerated * interpolated.gross)
-        return {};
-      const BoundaryFlux flux = prescribed_flux(box);
-      for (const auto &face : box.faces)
-        if (face.velocity)
-          face.velocity->not_finite(communicator); // these were no nodes
-      if (std::abs(flux.net) <= tolerated * flux.gross + 3 * flux.error)
-        return {};
-      std::ostringstream message;
-      message << "the prescribed velocities let " << flux.in() << " into the box and " << flux.out()
-              << " out of it, per time, at time " << t
-              << "; a box without outflow needs the same: change them, or give a face the "
-                 "condition outflow";
-      return {{box.pointer + "/boundary", message.str()}};
+      std::vector<dealii::types::global_dof_index> masters;
+      for (const auto i : unknowns)
+        if (constraints.is_constrained(i))
+          for (const auto &entry : *constraints.get_constraint_entries(i))
+            masters.push_back(entry.first);
+      std::sort(masters.begin(), masters.end());
+      unknowns.add_indices(masters.begin(), masters.end());
+      return unknowns;
     }
   } // namespace
 
@@ -145,16 +131,10 @@ namespace feib
     make_constraints(present_time);
 
     // Ghosts: what the cells around need, and what constraints of those lead to.
-    dealii::IndexSet ghosts = relevant_velocity;
-    std::vector<dealii::types::global_dof_index> masters;
-    for (const auto i : relevant_velocity)
-      if (velocity_constraints.is_constrained(i))
-        for (const auto &entry : *velocity_constraints.get_constraint_entries(i))
-          masters.push_back(entry.first);
-    std::sort(masters.begin(), masters.end());
-    ghosts.add_indices(masters.begin(), masters.end());
     velocity_partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
-      velocity_dof_handler.locally_owned_dofs(), ghosts, mpi_communicator);
+      velocity_dof_handler.locally_owned_dofs(),
+      with_masters(relevant_velocity, velocity_constraints),
+      mpi_communicator);
     dealii::IndexSet relevant_pressure;
     dealii::DoFTools::extract_locally_relevant_dofs(pressure_dof_handler, relevant_pressure);
     pressure_partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
@@ -344,41 +324,13 @@ namespace feib
           break;
         make_lattice(true);
 
-        using Transfer = dealii::parallel::distributed::SolutionTransfer<dim, VelocityVector>;
-        Transfer velocity_transfer(velocity_dof_handler), pressure_transfer(pressure_dof_handler);
-        // The next step extrapolates from these two; what is older is not needed again.
-        for (VelocityVector *v : {&velocity, &old_velocity})
-          v->update_ghost_values();
-        std::vector<PressureVector *> pressures = {&pressure};
-        for (EarlierPressure &earlier : earlier_pressures)
-          pressures.push_back(&earlier.values);
-        for (PressureVector *p : pressures)
-          p->update_ghost_values();
-        velocity_transfer.prepare_for_coarsening_and_refinement(
-          std::vector<const VelocityVector *>{&velocity, &old_velocity});
-        pressure_transfer.prepare_for_coarsening_and_refinement(
-          std::vector<const PressureVector *>(pressures.begin(), pressures.end()));
-
+        FieldTransfer<dim> fields(*this);
         const std::uint64_t before = fingerprint;
         mesh.execute_coarsening_and_refinement();
         distribute_dofs();
-        const bool new_mesh     = fingerprint != before;
-        changed                 = changed || new_mesh;
-        VelocityVector moved[2] = {make_velocity(), make_velocity()};
-        std::vector<PressureVector> moved_pressures(pressures.size(), make_pressure());
-        std::vector<PressureVector *> all_pressures;
-        for (PressureVector &p : moved_pressures)
-          all_pressures.push_back(&p);
-        std::vector<VelocityVector *> all = {&moved[0], &moved[1]};
-        velocity_transfer.interpolate(all);
-        pressure_transfer.interpolate(all_pressures);
-        velocity.swap(moved[0]);
-        old_velocity.swap(moved[1]);
-        for (unsigned int i = 0; i < pressures.size(); ++i)
-          {
-            pressures[i]->swap(moved_pressures[i]);
-            pressures[i]->update_ghost_values();
-          }
+        const bool new_mesh = fingerprint != before;
+        changed             = changed || new_mesh;
+        fields.finish();
         distribute(velocity, false);
         // Its boundary values are of its own time, also where nodes hang on them.
         make_continuity_constraints<dim>(velocity_dof_handler, node_lattice, relevant_velocity)

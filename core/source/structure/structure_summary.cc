@@ -54,12 +54,10 @@ namespace feib
     Json centre = Json::array(), extent = Json::array();
     for (unsigned int a = 0; a < dim; ++a)
       {
-        const auto [low, high] =
-          std::minmax_element(model.positions.begin(),
-                              model.positions.end(),
-                              [a](const auto &x, const auto &y) { return x[a] < y[a]; });
+        const Positions<dim> &X = model.positions;
         centre.push_back(centroid[a]);
-        extent.push_back((*high)[a] - (*low)[a]);
+        extent.push_back(X.largest([&](const unsigned int i) { return X[i][a]; }) +
+                         X.largest([&](const unsigned int i) { return -X[i][a]; }));
       }
     Json result = {{"name", model.name()},
                    {"measure_initial", measure_initial},

@@ -43,8 +43,8 @@ namespace
   {
     std::mt19937 random(1);
     std::exponential_distribution<> weight(1);
-    std::vector<Point<dim>> points = model.positions;
-    const unsigned int n           = model.mesh().structure_dim() + 1;
+    std::vector<Point<dim>> points(model.positions.begin(), model.positions.end());
+    const unsigned int n = model.mesh().structure_dim() + 1;
     for (const auto &element : model.mesh().elements())
       for (unsigned int i = 0; i < n_per_element; ++i)
         {

@@ -60,7 +60,7 @@ namespace feib::testing
       }
     law->set_points(points);
     law->stress(F, P);
-    NodalField<dim> load(mesh.n_nodes());
+    NodalField<dim> load(mesh);
     for (unsigned int e = 0; e < mesh.n_elements(); ++e)
       for (unsigned int k = 0; k <= structure_dim; ++k)
         for (unsigned int i = 0; i < dim; ++i)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/structure_model/face_loads.h>
 
-#include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
 namespace feib
@@ -102,11 +101,11 @@ namespace feib
           }
       }
     // At most two elements add to a face, so the sum does not depend on the number of ranks.
-    static_assert(sizeof(dealii::Tensor<1, dim>) == dim * sizeof(double));
-    MPI_Allreduce(
-      MPI_IN_PLACE, jumps.data(), jumps.size() * dim, MPI_DOUBLE, MPI_SUM, mesh.communicator());
+    jumps.compress(mesh.communicator());
+    jumps.update_ghosts();
 
-    load.assign(load_points.size(), {});
+    // Every rank has all faces.
+    load = NodalField<dim>(load_points);
     for (unsigned int f = 0; f < faces.size(); ++f)
       {
         if (faces[f].at_boundary() && !boundary_faces)

@@ -68,12 +68,12 @@ namespace feib
           throw Error(X0->not_finite(MPI_COMM_SELF));
         return x;
       };
-      Positions<dim> X;
+      Positions<dim> X(mesh);
       double extent = 0;
-      for (const dealii::Point<dim> &s : nodes)
+      for (unsigned int i = 0; i < X.size(); ++i)
         {
-          X.push_back(position(s));
-          extent = std::max(extent, X.back().distance(X.front()));
+          X[i]   = position(nodes[i]);
+          extent = std::max(extent, X[i].distance(X[0]));
         }
       if (glued)
         for (unsigned int i = 0; i < nodes.size(); ++i)
@@ -128,7 +128,7 @@ namespace feib
                      const LagrangianMesh<dim> &mesh,
                      const bool heavy)
   {
-    NodalField<dim> V(mesh.n_nodes());
+    NodalField<dim> V(mesh);
     if (!parameters.has("initial_velocity"))
       return V;
     if (!heavy)

@@ -117,13 +117,11 @@ namespace
     const Positions<dim> X   = shaken(*vertex);
     const NodalField<dim> dX = random_field<dim>(X.size(), 1);
     const NodalField<dim> f  = load(*vertex, X);
-    EXPECT_NEAR(product(load(*gauss, X), at_points(points, dX)),
-                product(f, dX),
-                1e-13 * norm(f) * norm(dX));
+    EXPECT_NEAR(load(*gauss, X) * at_points(points, dX), f * dX, 1e-13 * norm(f) * norm(dX));
     NodalField<dim> dv, dg;
     vertex->load_derivative(X, dX, dv);
     gauss->load_derivative(X, dX, dg);
-    EXPECT_NEAR(product(dg, at_points(points, dX)), product(dv, dX), 1e-12 * norm(dv) * norm(dX));
+    EXPECT_NEAR(dg * at_points(points, dX), dv * dX, 1e-12 * norm(dv) * norm(dX));
   }
 } // namespace
 

@@ -103,8 +103,8 @@ TEST(Membrane, GaussRuleHasTheWorkOfTheVertexRule)
   const Positions<3> X   = shaken(*vertex);
   const NodalField<3> dX = random_field<3>(X.size(), 1);
   const NodalField<3> f  = load(*vertex, X);
-  EXPECT_NEAR(product(load(*gauss, X), at_points(gauss->load_points(), dX)),
-              product(f, dX),
+  EXPECT_NEAR(load(*gauss, X) * at_points(gauss->load_points(), dX),
+              f * dX,
               1e-13 * norm(f) * norm(dX));
 
   // The faces of a curve are its nodes.

@@ -1,8 +1,6 @@
 #include <feib/coupling_operator.h>
-#include <feib/error.h>
+#include <feib/failure.h>
 #include <feib/plugin.h>
-
-#include <deal.II/base/mpi.h>
 
 #include <sstream>
 
@@ -48,7 +46,7 @@ namespace my_coupling_plugin
       double values[n];
     };
     std::vector<Located> located;
-    unsigned int n_points = 0;
+    NodalField<dim> zero; // of the points
   };
 
 
@@ -60,20 +58,21 @@ namespace my_coupling_plugin
                                 const LagrangianPoints &points)
   {
     const Positions<dim> x = points.positions(X);
-    n_points               = x.size();
+    zero                   = NodalField<dim>(points);
+    agree(space.communicator(), [&] {
+      for (unsigned int q = 0; q < x.size(); ++q)
+        if (!space.forest().inside(x[q]))
+          {
+            std::ostringstream message;
+            message << "point " << q << " of a structure is at (" << x[q] << "), outside the box";
+            throw RunFailure(message.str());
+          }
+    });
     located.clear();
     Located entry;
     dealii::Point<dim> unit;
-    for (entry.point = 0; entry.point < n_points; ++entry.point)
+    for (entry.point = 0; entry.point < x.size(); ++entry.point)
       {
-        // Positions are the same on all ranks, so all of them throw.
-        if (!space.forest().inside(x[entry.point]))
-          {
-            std::ostringstream message;
-            message << "point " << entry.point << " of a structure is at (" << x[entry.point]
-                    << "), outside the box";
-            throw RunFailure(message.str());
-          }
         entry.cell = space.forest().locate(x[entry.point], unit);
         if (entry.cell == CartesianForest<dim>::not_here)
           continue;
@@ -90,19 +89,17 @@ namespace my_coupling_plugin
                                const VelocityVector &u,
                                NodalField<dim> &U) const
   {
-    std::vector<double> values(n_points * dim, 0.);
+    U = zero;
     for (const Located &entry : located)
       {
         const unsigned int *dofs = space.velocity_dofs(entry.cell);
         for (unsigned int a = 0; a < dim; ++a)
           for (unsigned int i = 0; i < n && !entry.held[a]; ++i)
-            values[entry.point * dim + a] += entry.values[i] * u.local_element(dofs[a * n + i]);
+            U[entry.point][a] += entry.values[i] * u.local_element(dofs[a * n + i]);
       }
-    dealii::Utilities::MPI::sum(values, space.communicator(), values);
-    U.resize(n_points);
-    for (unsigned int q = 0; q < n_points; ++q)
-      for (unsigned int a = 0; a < dim; ++a)
-        U[q][a] = values[q * dim + a];
+    // Each point is in a cell of one rank.
+    U.compress(space.communicator());
+    U.update_ghosts();
   }
 
 

@@ -36,11 +36,9 @@ namespace my_writer_plugin
       line << std::setprecision(17) << snapshot.time;
       for (const feib::ImmersedStructure<dim> &structure : snapshot.structures)
         {
-          dealii::Tensor<1, dim> sum;
-          for (const dealii::Point<dim> &X : structure.model->positions)
-            sum += X;
+          const dealii::Point<dim> X = structure.model->centroid(structure.model->positions);
           for (unsigned int a = 0; a < dim; ++a)
-            line << ' ' << sum[a] / structure.model->positions.size();
+            line << ' ' << X[a];
         }
       // All ranks have the same structures; one writes, and all learn of a failure.
       feib::agree(snapshot.space.communicator(), [&] {

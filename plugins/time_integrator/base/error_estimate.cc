@@ -44,11 +44,11 @@ namespace feib
         const double ratio = (middle - t_1) / (t_1 - t_2);
         double largest     = 0;
         for (unsigned int s = 0; s < velocities.size(); ++s)
-          for (unsigned int i = 0; i < velocities[s].size(); ++i)
-            largest = std::max(largest,
-                               (velocities[s][i] - (1 + ratio) * last.velocities[s][i] +
-                                ratio * before.velocities[s][i])
-                                 .norm());
+          largest = std::max(largest, velocities[s].largest([&](const unsigned int i) {
+            return (velocities[s][i] - (1 + ratio) * last.velocities[s][i] +
+                    ratio * before.velocities[s][i])
+              .norm();
+          }));
         result = dt * dt * dt / 6 * largest / ((middle - t_1) * (middle - t_2));
       }
     past.push_back({middle, velocities});

@@ -61,7 +61,7 @@ namespace feib
           continue;
         const ImmersedStructure<dim> &structure = system.structures[s];
         structure.motion->interpolate(system.space, u, U);
-        force.assign(structure.model->load_points().size(), dealii::Tensor<1, dim>());
+        force = NodalField<dim>(structure.model->load_points());
         if (elastic)
           {
             moved[s] = moved_by(s, U);
@@ -90,7 +90,7 @@ namespace feib
           continue;
         const ImmersedStructure<dim> &structure = system.structures[s];
         structure.motion->interpolate(system.space, du, dU);
-        force.assign(structure.model->load_points().size(), dealii::Tensor<1, dim>());
+        force = NodalField<dim>(structure.model->load_points());
         if (elastic)
           {
             structure.model->load_derivative(moved[s], dU, force);

@@ -52,18 +52,23 @@ namespace feib
 
   template <int dim>
   void
-  StructureStep<dim>::add_force(const dealii::Tensor<1, dim> &force,
-                                const dealii::Point<dim> &x,
-                                const dealii::Tensor<1, dim> &velocity)
+  StructureStep<dim>::add_forces(const NodalField<dim> &forces,
+                                 const Positions<dim> &x,
+                                 const NodalField<dim> &velocities)
   {
-    exchange.power += force * velocity;
-    exchange.force += force;
-    exchange.torque[2] += x[0] * force[1] - x[1] * force[0];
-    if constexpr (dim == 3)
-      {
-        exchange.torque[0] += x[1] * force[2] - x[2] * force[1];
-        exchange.torque[1] += x[2] * force[0] - x[0] * force[2];
-      }
+    exchange.power += forces * velocities;
+    exchange.force += forces.sum([&](const unsigned int q) { return forces[q]; });
+    exchange.torque += forces.sum([&](const unsigned int q) {
+      const dealii::Tensor<1, dim> &f = forces[q];
+      dealii::Tensor<1, 3> torque;
+      torque[2] = x[q][0] * f[1] - x[q][1] * f[0];
+      if constexpr (dim == 3)
+        {
+          torque[0] = x[q][1] * f[2] - x[q][2] * f[1];
+          torque[1] = x[q][2] * f[0] - x[q][0] * f[2];
+        }
+      return torque;
+    });
   }
 
 
@@ -78,8 +83,7 @@ namespace feib
     for (const double theta : {.5 - std::sqrt(1. / 12), .5 + std::sqrt(1. / 12)})
       {
         model.load(displaced(old, theta * dt, U), load);
-        for (unsigned int q = 0; q < load.size(); ++q)
-          work += dt / 2 * (load[q] * velocity[q]);
+        work += dt / 2 * (load * velocity);
       }
     return work;
   }
@@ -94,11 +98,10 @@ namespace feib
     if (structure.loading)
       structure.loading->interpolate(space, space.velocity, velocity);
     const Positions<dim> points = model.load_points().positions(geometry);
-    for (unsigned int q = 0; q < force.size(); ++q)
-      add_force(force[q], points[q], velocity[q]);
+    add_forces(force, points, velocity);
     const double elastic_power = exchange.power;
-    for (unsigned int q = 0; q < viscous_force.size(); ++q)
-      add_force(viscous_force[q], points[q], velocity[q]);
+    if (model.viscous())
+      add_forces(viscous_force, points, velocity);
 
     // Within the step the moment is that of the load and the energy is one: what it loses is work.
     const double before = model.energy(old);
@@ -124,17 +127,19 @@ namespace feib
   {
     const std::vector<double> &mass = model.excess_mass();
     const double tau                = midpoint ? dt / 2 : dt; // of the fluid's step
+    NodalField<dim> change          = U;
     for (unsigned int i = 0; i < U.size(); ++i)
-      {
-        const dealii::Tensor<1, dim> change = U[i] - model.velocities[i];
-        if (!mass.empty())
-          {
-            add_force(-mass[i] / tau * change, geometry[i], U[i]);
-            if (!midpoint)
-              exchange.numerical += mass[i] / 2 * change.norm_square();
-          }
-        model.velocities[i] += (midpoint ? 2. : 1.) * change;
-      }
+      change[i] -= model.velocities[i];
+    for (unsigned int i = 0; i < U.size(); ++i)
+      model.velocities[i] += (midpoint ? 2. : 1.) * change[i];
+    if (mass.empty())
+      return;
+    NodalField<dim> inertia = change;
+    for (unsigned int i = 0; i < U.size(); ++i)
+      inertia[i] *= -mass[i] / tau;
+    add_forces(inertia, geometry, U);
+    if (!midpoint)
+      exchange.numerical -= tau / 2 * (inertia * change);
   }
 
 

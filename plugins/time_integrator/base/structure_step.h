@@ -35,10 +35,10 @@ namespace feib
     Exchange take(double energy);
 
   private:
-    /// Adds a force on the fluid at @p x, which moves with the velocity.
-    void add_force(const dealii::Tensor<1, dim> &force,
-                   const dealii::Point<dim> &x,
-                   const dealii::Tensor<1, dim> &velocity);
+    /// Adds forces on the fluid at points @p x, which move with the velocities.
+    void add_forces(const NodalField<dim> &forces,
+                    const Positions<dim> &x,
+                    const NodalField<dim> &velocities);
 
     /// The forces that acted at the load points, the work of the load along the way of the step and
     /// the energy it comes from, @p energy at the beginning.

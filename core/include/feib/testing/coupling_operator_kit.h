@@ -57,7 +57,7 @@ namespace feib::testing
 
     // A bent patch; across the seam of the box when that is periodic.
     const LagrangianMesh<dim> mesh = make_simplex_mesh<dim>(m, dim == 2 ? 12 : 4);
-    Positions<dim> X(mesh.n_nodes());
+    Positions<dim> X(mesh);
     for (unsigned int i = 0; i < X.size(); ++i)
       {
         const auto &s = mesh.nodes()[i];
@@ -84,19 +84,15 @@ namespace feib::testing
           v(i) = value;
       }
     space->distribute(v, true);
-    NodalField<dim> f(points.size()), U;
+    NodalField<dim> f(points), U;
     for (auto &force : f)
       for (unsigned int a = 0; a < dim; ++a)
         force[a] = uniform(random);
 
     coupling->interpolate(*space, v, U);
     ASSERT_EQ(U.size(), points.size());
-    double power = 0, scale = 0;
-    for (unsigned int i = 0; i < f.size(); ++i)
-      {
-        power += f[i] * U[i];
-        scale += f[i].norm() * U[i].norm();
-      }
+    const double power = f * U,
+                 scale = f.sum([&](const unsigned int i) { return f[i].norm() * U[i].norm(); });
     ASSERT_GT(scale, 0.1);
     for (unsigned int i = 0; standing && i < U.size(); ++i)
       EXPECT_EQ(U[i][1] == 0, mesh.nodes()[i][1] == 0) << "node " << i;
@@ -107,27 +103,26 @@ namespace feib::testing
     EXPECT_NEAR(load * v, power, 1e-12 * scale) << "the same after condensing";
 
     // The entries are those of J: applied to v and summed over the ranks they give U.
-    std::vector<double> by_entries(f.size() * dim, 0.);
+    NodalField<dim> by_entries(points);
     for (const MatrixEntry &entry : coupling->entries(*space))
       {
-        ASSERT_LT(entry.row, by_entries.size());
-        by_entries[entry.row] +=
+        ASSERT_LT(entry.row, by_entries.size() * dim);
+        by_entries[entry.row / dim][entry.row % dim] +=
           entry.value * v.local_element(v.get_partitioner()->global_to_local(entry.column));
       }
-    dealii::Utilities::MPI::sum(by_entries, MPI_COMM_WORLD, by_entries);
+    by_entries.compress(space->communicator());
+    by_entries.update_ghosts();
     for (unsigned int i = 0; i < f.size(); ++i)
       for (unsigned int a = 0; a < dim; ++a)
-        EXPECT_NEAR(by_entries[i * dim + a], U[i][a], 1e-12) << "entries() of point " << i;
+        EXPECT_NEAR(by_entries[i][a], U[i][a], 1e-12) << "entries() of point " << i;
 
     // The total force arrives: the sum over a partition of unity.
     if (!periodic && !standing)
       {
         VelocityVector raw = space->make_velocity();
         coupling->spread(*space, f, raw);
-        double total = 0;
-        dealii::Tensor<1, dim> sum;
-        for (const auto &force : f)
-          sum += force;
+        double total                     = 0;
+        const dealii::Tensor<1, dim> sum = f.sum([&](const unsigned int i) { return f[i]; });
         for (unsigned int i = 0; i < raw.locally_owned_size(); ++i)
           total += raw.local_element(i);
         double expected = 0;
@@ -148,11 +143,11 @@ namespace feib::testing
     const auto coupling            = registry().create<CouplingOperator<dim>>(name, parameters);
     for (const double bad : {1.5, std::nan("")})
       {
-        Positions<dim> X(mesh.n_nodes());
+        Positions<dim> X(mesh);
         for (unsigned int i = 0; i < X.size(); ++i)
           for (unsigned int a = 0; a < dim; ++a)
             X[i][a] = .2 + .5 * mesh.nodes()[i][a];
-        X.back()[0] = bad;
+        X[X.size() - 1][0] = bad;
         EXPECT_THROW(coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(X.size())),
                      RunFailure);
       }

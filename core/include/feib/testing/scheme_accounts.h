@@ -76,6 +76,35 @@ namespace feib::testing
   }
 
 
+  /// Of a scheme that is stable whatever the step: energy falls in every step however stiff a
+  /// structure is, with excess mass or not, and the scheme gains none.
+  inline void
+  check_energy_falls(const std::string &scheme)
+  {
+    for (const std::string stiffness : {"1", "100"})
+      for (const std::string excess : {"0", "1"})
+        {
+          SCOPED_TRACE("stiffness " + stiffness + ", excess density " + excess);
+          SchemeTrial<2> trial(scheme,
+                               "{}",
+                               {{"/fluid/navier_stokes/viscosity", "1"},
+                                {"/structures/0/membrane/excess_density", excess},
+                                {"/structures/0/membrane/law/anisotropic_linear/stiffness",
+                                 stiffness}});
+          trial.dt      = .02;
+          double before = trial.energy();
+          for (unsigned int n = 0; n < 4; ++n)
+            {
+              const auto report  = trial.step();
+              const double after = trial.energy();
+              EXPECT_LE(after, before * (1 + 1e-10));
+              EXPECT_GE(report.numerical, -1e-10 * before);
+              before = after;
+            }
+        }
+  }
+
+
   /// The momentum the fluid gains in a periodic box is that of the forces told, and all there is
   /// keeps its momentum.
   inline void

@@ -20,7 +20,7 @@ namespace feib::testing
   inline void
   check_order(const std::string &scheme, const std::string &block, const double order)
   {
-    std::vector<Positions<2>> X;
+    std::vector<std::vector<dealii::Point<2>>> X;
     for (const unsigned int n : {4, 8, 16, 32})
       {
         SchemeTrial<2> trial(scheme, block, {{"/fluid/navier_stokes/viscosity", "0.2"}});
