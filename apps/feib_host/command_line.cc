@@ -32,9 +32,12 @@ namespace feib
         ("list-plugins", "what was found, and why a plugin was skipped")
         ("describe", po::value<std::string>()->value_name("NAME"), "the parameters of a component")
         ("json", "with --describe: its JSON Schema")
+        ("check-plugin", po::value<std::string>()->value_name("FILE.so"),
+         "ask of a plugin what can be asked without a compiler, of laws all that their kit asks; writes nothing")
         ("new-plugin", po::value<std::string>()->value_name("KIND NAME"),
          "write the beginning of a plugin, a component of that kind (e.g. constitutive_law): sources, test, case")
         ("energy-only", "with --new-plugin constitutive_law: a law that is given by its energy alone")
+        ("with-state", "with --new-plugin constitutive_law: a law that remembers, e.g. how far it was stretched")
         ("dir", po::value<std::string>()->value_name("DIR"),
          "with --new-plugin: the folder to make; when not given NAME")
         ("schema", "print the JSON Schema of cases, for the plugins found")
@@ -62,21 +65,28 @@ namespace feib
     plugin_to_write(const po::variables_map &values, const std::vector<std::string> &names)
     {
       NewPlugin plugin;
-      plugin.energy_only = values.count("energy-only") != 0;
+      if (values.count("energy-only") != 0)
+        plugin.style = "energy_only";
+      if (values.count("with-state") != 0)
+        {
+          if (!plugin.style.empty())
+            throw Error("--energy-only and --with-state are two templates; choose one");
+          plugin.style = "with_state";
+        }
       if (values.count("dir") != 0)
         plugin.directory = values["dir"].as<std::string>();
       if (values.count("new-plugin") == 0)
         {
-          if (plugin.energy_only || !plugin.directory.empty())
-            throw Error("--energy-only and --dir go with --new-plugin KIND NAME");
+          if (!plugin.style.empty() || !plugin.directory.empty())
+            throw Error("--energy-only, --with-state and --dir go with --new-plugin KIND NAME");
           return plugin;
         }
       plugin.kind = values["new-plugin"].as<std::string>();
       if (names.size() != 1 || plugin.kind.empty())
         throw Error("--new-plugin takes a kind and a name; write --new-plugin constitutive_law "
                     "my_law");
-      if (plugin.energy_only && plugin.kind != "constitutive_law")
-        throw Error("--energy-only goes with --new-plugin constitutive_law NAME");
+      if (!plugin.style.empty() && plugin.kind != "constitutive_law")
+        throw Error("--energy-only and --with-state go with --new-plugin constitutive_law NAME");
       for (const char *const option : {"restart", "output", "overwrite", "set", "validate"})
         if (values.count(option) != 0)
           throw Error(std::string("--new-plugin runs no case: --") + option +
@@ -139,6 +149,24 @@ namespace feib
     if (json && describe.empty())
       throw Error("--json goes with --describe NAME");
 
+    if (values.count("check-plugin") != 0)
+      {
+        check_plugin = values["check-plugin"].as<std::string>();
+        for (const char *const option : {"case",
+                                         "restart",
+                                         "output",
+                                         "overwrite",
+                                         "set",
+                                         "validate",
+                                         "new-plugin",
+                                         "describe",
+                                         "list-plugins",
+                                         "schema"})
+          if (values.count(option) != 0)
+            throw Error("--check-plugin FILE.so looks at a plugin and does nothing else; found " +
+                        std::string(option == std::string("case") ? "a case" : "--") +
+                        (option == std::string("case") ? "" : option) + " too");
+      }
     if (values.count("restart") != 0)
       restart = values["restart"].as<std::string>();
     const auto cases = values.count("case") != 0 ? values["case"].as<std::vector<std::string>>()
@@ -159,8 +187,8 @@ namespace feib
       }
     if (!cases.empty())
       case_file = cases[0];
-    else if (restart.empty() && describe.empty() && !list_plugins && !schema && !version &&
-             !show_help)
+    else if (restart.empty() && describe.empty() && check_plugin.empty() && !list_plugins &&
+             !schema && !version && !show_help)
       throw Error("which case? feib-host CASE.json runs it; see feib-host --help");
     if (values.count("output") != 0)
       output = values["output"].as<std::string>();
@@ -177,11 +205,12 @@ namespace feib
     std::ostringstream text;
     text << "feib-host CASE.json [options]\n"
             "feib-host --restart DIR [options]\n"
-            "feib-host --new-plugin KIND NAME [--energy-only] [--dir DIR]\n"
+            "feib-host --new-plugin KIND NAME [--energy-only | --with-state] [--dir DIR]\n"
+            "feib-host --check-plugin FILE.so\n"
             "Runs an immersed fluid-structure simulation.\n\n"
          << options()
          << "\nExit codes: 0 done, 1 trouble while running, 2 a case or a command line that cannot "
-            "be run.\n";
+            "be run, a plugin that fails a check.\n";
     return text.str();
   }
 } // namespace feib

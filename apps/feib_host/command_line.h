@@ -26,7 +26,8 @@ namespace feib
     Case::Settings settings;
     std::vector<std::string> plugin_path;
     std::string describe;
-    NewPlugin new_plugin; // of no kind: none is to be written
+    std::string check_plugin; // a file
+    NewPlugin new_plugin;     // of no kind: none is to be written
     std::string log_level;
 
     bool validate     = false;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "check_plugin.h"
 #include "command_line.h"
 
 #include <feib/log.h>
@@ -411,7 +412,11 @@ namespace
     const std::vector<std::string> path = PluginLoader::search_path(command.plugin_path);
     Registry registry;
     PluginLoader loader(registry);
+    if (!command.check_plugin.empty())
+      loader.load(command.check_plugin);
     load_plugins(loader, path);
+    if (!command.check_plugin.empty())
+      return check_plugin(loader, registry, print) ? 0 : 2;
     if (command.list_plugins)
       return print(plugin_table(loader, path)), 0;
     for (const PluginLoader::Result &plugin : loader.results())
@@ -473,6 +478,8 @@ int
 main(int argc, char **argv)
 {
   handle_signals();
+  // Started without mpirun, Open MPI would start a daemon first, for processes that never come.
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   // The libraries underneath have options of their own with the same names: they get to see none.
   int only_the_name = 1;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);

@@ -18,8 +18,6 @@ namespace feib
   {
     namespace fs = std::filesystem;
 
-    const char *const energy_only_folder = "constitutive_law.energy_only";
-
     fs::path
     program()
     {
@@ -53,7 +51,7 @@ namespace feib
       if (folders.count(plugin.kind) == 0 || plugin.kind.find('.') != std::string::npos)
         throw Error("there is no template of a plugin of the kind \"" + plugin.kind +
                     "\"; the kinds are " + kinds);
-      return all / (plugin.energy_only ? energy_only_folder : plugin.kind);
+      return all / (plugin.style.empty() ? plugin.kind : plugin.kind + "." + plugin.style);
     }
 
 

@@ -13,8 +13,8 @@ namespace feib
   {
     std::string kind; // of its component, e.g. constitutive_law
     std::string name;
-    bool energy_only = false; // a law that is given by its energy
-    std::string directory;    // the folder to make
+    std::string style;     // of a law: "", "energy_only" or "with_state"
+    std::string directory; // the folder to make
   };
 
   /// Writes the plugin from Feib's template of the kind. Returns what was written and how to go on,

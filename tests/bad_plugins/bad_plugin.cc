@@ -4,8 +4,11 @@
 #include "core/components.h"
 
 #include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 
 using feib::ConstitutiveLaw;
 using feib::testing::Spring;
@@ -87,6 +90,60 @@ FEIB_PLUGIN("other_build", "1.0", registry)
   registry.add<ConstitutiveLaw, Spring>("other_build_law", spring_schema);
 }
 
+#elif defined(FEIB_TEST_other_headers)
+
+#undef FEIB_HEADER_HASH
+#define FEIB_HEADER_HASH "0123456789abcdef"
+FEIB_PLUGIN("other_headers", "1.0", registry)
+{
+  registry.add<ConstitutiveLaw, Spring>("other_headers_law", spring_schema);
+}
+
+#elif defined(FEIB_TEST_printing)
+
+FEIB_PLUGIN("printing", "1.0", registry)
+{
+  std::printf("hello from ");
+  std::cout << "the plugin\n" << std::string(1000000, '.');
+  registry.add<ConstitutiveLaw, Spring>("printing_law", spring_schema);
+}
+
+#elif defined(FEIB_TEST_large_schema)
+
+FEIB_PLUGIN("large_schema", "1.0", registry)
+{
+  registry.add<ConstitutiveLaw, Spring>("large_schema_law",
+                                        spring_schema + std::string(10000000, ' '));
+}
+
+#elif defined(FEIB_TEST_deep_schema)
+
+FEIB_PLUGIN("deep_schema", "1.0", registry)
+{
+  registry.add<ConstitutiveLaw, Spring>("deep_schema_law", std::string(1000000, '['));
+}
+
+#elif defined(FEIB_TEST_foreign_letters)
+
+FEIB_PLUGIN("foreign_letters", "1.0", registry)
+{
+  std::string schema = spring_schema;
+  schema.insert(schema.find("spring") + 1, "\xe4"); // Latin-1
+  registry.add<ConstitutiveLaw, Spring>("foreign_letters_law", schema);
+}
+
+#elif defined(FEIB_TEST_small_description)
+
+// What another program's plugins may be described by.
+extern "C" __attribute__((visibility("default")))
+const std::uint32_t feib_plugin[2] = {FEIB_ABI, 7};
+
+#elif defined(FEIB_TEST_a_function)
+
+extern "C" __attribute__((visibility("default"))) void
+feib_plugin()
+{}
+
 #elif defined(FEIB_TEST_missing_symbol)
 
 void a_function_nobody_wrote();
@@ -135,6 +192,29 @@ FEIB_PLUGIN("throwing_int", "1.0", registry)
 #elif defined(FEIB_TEST_ending)
 
 // Ends the program in the way that a variable of the environment chooses.
+namespace
+{
+  struct ThrowsAtOnce
+  {
+    ThrowsAtOnce()
+    {
+      const char *const variable = std::getenv("FEIB_TEST_END");
+      if (variable != nullptr && std::string(variable) == "throw")
+        throw std::runtime_error("a static object");
+    }
+  } throws_at_once;
+
+  template <int structure_dim, int dim>
+  struct Exiting : Spring<structure_dim, dim>
+  {
+    explicit Exiting(const feib::Parameters &parameters)
+      : Spring<structure_dim, dim>(parameters)
+    {
+      std::exit(0);
+    }
+  };
+} // namespace
+
 FEIB_PLUGIN("ending", "1.0", registry)
 {
   registry.add<ConstitutiveLaw, Spring>("ending_law", spring_schema);
@@ -146,6 +226,8 @@ FEIB_PLUGIN("ending", "1.0", registry)
     std::quick_exit(0);
   else if (how == "terminate")
     std::terminate();
+  else if (how == "when made")
+    registry.add<ConstitutiveLaw, Exiting>("exiting_law", spring_schema);
   else if (!how.empty())
     std::raise(std::stoi(how));
 }

@@ -79,6 +79,45 @@ TEST(BadPlugins, OtherBuildType)
   EXPECT_NE(text.find("release"), std::string::npos);
 }
 
+TEST(BadPlugins, HeadersChangedWithoutANewBuild)
+{
+  const std::string text = bad("other_headers");
+  EXPECT_NE(text.find(", headers 0123456789abcdef\"; this is \"" FEIB_BUILD_TAG "\": rebuild it"),
+            std::string::npos)
+    << text;
+}
+
+TEST(BadPlugins, WrongSize)
+{
+  EXPECT_EQ(bad("small_description"),
+            "has a description of 8 bytes, and not of " + std::to_string(sizeof(FeibPlugin)) +
+              ": it is not a Feib plugin");
+  EXPECT_EQ(bad("a_function"),
+            "has a symbol feib_plugin that is not data: it is not a Feib plugin");
+}
+
+// --schema > file and --describe NAME --json must stay what they say they are.
+TEST(BadPlugins, Printing)
+{
+  EXPECT_EQ(
+    bad("printing").rfind("prints while it is loaded, \"hello from the plugin\\u000a...", 0), 0u)
+    << bad("printing");
+  const RunResult schema = run_host("--schema --plugin-path " + shell_quoted(FEIB_BAD_PLUGINS));
+  EXPECT_EQ(schema.exit_code, 0);
+  EXPECT_TRUE(nlohmann::json::accept(schema.output)) << schema.output.substr(0, 100);
+}
+
+TEST(BadPlugins, SchemasThatNobodyCanRead)
+{
+  EXPECT_EQ(bad("large_schema").substr(0, 59),
+            "the schema of the constitutive_law \"large_schema_law\" has 1");
+  EXPECT_NE(bad("large_schema").find(" bytes; at most 1048576 are allowed"), std::string::npos);
+  EXPECT_NE(bad("deep_schema").find("nested deeper than 100 levels"), std::string::npos)
+    << bad("deep_schema");
+  EXPECT_NE(bad("foreign_letters").find("is not UTF-8"), std::string::npos)
+    << bad("foreign_letters");
+}
+
 TEST(BadPlugins, MissingSymbol)
 {
   EXPECT_EQ(bad("missing_symbol"),
@@ -163,20 +202,94 @@ TEST(BadPlugins, EndingTheProgramIsSaid)
   for (const std::string &how : {std::string("exit"),
                                  std::string("quick_exit"),
                                  std::string("terminate"),
+                                 std::string("throw"),
                                  std::to_string(SIGABRT),
                                  std::to_string(SIGSEGV),
                                  std::to_string(SIGFPE)})
     {
       const RunResult result = ended(how);
       EXPECT_EQ(result.exit_code,
-                how == "exit" || how == "quick_exit" ? 1
-                : how == "terminate"                 ? 128 + SIGABRT
-                                                     : 128 + std::stoi(how))
+                how == "exit" || how == "quick_exit"   ? 1
+                : how == "terminate" || how == "throw" ? 128 + SIGABRT
+                                                       : 128 + std::stoi(how))
         << result.output;
       EXPECT_NE(result.output.find(sentence), std::string::npos) << how << ": " << result.output;
     }
   EXPECT_EQ(ended("''").exit_code, 0) << "without being told it loads";
   EXPECT_NE(ended("exit", 2).exit_code, 0);
+}
+
+/// What --check-plugin says.
+TEST(CheckPlugin, SaysWhatARunSays)
+{
+  const auto check = [](const std::string &file) {
+    return run_host("--check-plugin " + shell_quoted(file));
+  };
+  for (const std::string plugin : {"older_abi", "other_headers", "bad_schema", "throwing"})
+    {
+      const std::string file = FEIB_BAD_PLUGINS "/" + plugin + ".feib.so";
+      const RunResult result = check(file);
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_EQ(result.output, file + ": refused: " + bad(plugin) + "\n");
+    }
+  const RunResult missing = check("nowhere/nothing.feib.so");
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_EQ(missing.output, "nowhere/nothing.feib.so: refused: does not exist\n");
+}
+
+TEST(CheckPlugin, EndsWellForGoodOnesOnAnyNumberOfRanks)
+{
+  const TemporaryFolder folder;
+  for (const std::string plugin : {"gent", "midpoint", "vtu"})
+    for (const unsigned int ranks : {1, 2})
+      {
+        const RunResult result = run_host("--check-plugin " FEIB_PLUGINS "/" + plugin + ".feib.so",
+                                          ranks,
+                                          folder.path.string());
+        EXPECT_EQ(result.exit_code, 0) << result.output;
+        EXPECT_NE(result.output.find(" checks passed\n"), std::string::npos) << result.output;
+        EXPECT_EQ(result.output.find("not checked without a compiler") == std::string::npos,
+                  plugin == "gent")
+          << result.output;
+      }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+}
+
+TEST(CheckPlugin, WhatAComponentThrowsIsAFinding)
+{
+  const RunResult result = run_host("--check-plugin " FEIB_BAD_PLUGINS "/a_good.feib.so");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.output.find(
+              "\nconstitutive_law/good_law\n  an example for every dimension: ok\n"),
+            std::string::npos)
+    << result.output;
+  EXPECT_NE(result.output.find("\"failing_law\" cannot be made: the table is empty"),
+            std::string::npos)
+    << result.output;
+}
+
+TEST(CheckPlugin, EndingTheProgramDoesNotPass)
+{
+  const RunResult result =
+    run_command("export FEIB_TEST_END='when made'; " + host_command() +
+                " --check-plugin " FEIB_BAD_PLUGINS "/ending/ending.feib.so");
+  EXPECT_EQ(result.exit_code, 2) << result.output;
+  EXPECT_NE(result.output.find("error: the plugin ended the program while it was checked"),
+            std::string::npos)
+    << result.output;
+}
+
+TEST(CheckPlugin, DoesNothingElse)
+{
+  for (const std::string more : {"case.json", "--validate", "--describe gent", "--schema"})
+    {
+      const RunResult result = run_host("--check-plugin x.feib.so " + more);
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_NE(result.output.find(
+                  "--check-plugin FILE.so looks at a plugin and does nothing else"),
+                std::string::npos)
+        << result.output;
+    }
 }
 
 TEST(BadPlugins, SignalsWhilePluginsAreLoaded)

@@ -415,7 +415,9 @@ namespace
     {
       law->energy(F, W);
       for (unsigned int q = 0; q < F.size(); ++q)
-        if (fault == "half the energy")
+        if (fault == "both negative")
+          W[q] *= -1;
+        else if (fault == "half the energy")
           W[q] *= .5;
         else if (fault == "depends on the observer")
           W[q] += .1 * F[q][0][0];
@@ -440,7 +442,7 @@ namespace
     {
       law->stress(F, P);
       for (unsigned int q = 0; q < F.size(); ++q)
-        if (fault == "sign")
+        if (fault == "sign" || fault == "both negative")
           P[q] *= -1.;
         else if (fault == "factor two")
           P[q] *= 2.;

@@ -51,15 +51,17 @@ namespace
 
 TEST_F(NewPlugin, HasNothingOfTheTemplateButItsText)
 {
-  ASSERT_GE(templates().size(), 6u);
+  ASSERT_GE(templates().size(), 7u);
   for (const auto &[kind, old] : templates())
     {
       SCOPED_TRACE(kind);
-      const bool energy_only      = kind == "constitutive_law.energy_only";
+      const std::string option    = kind == "constitutive_law.energy_only"  ? " --energy-only"
+                                    : kind == "constitutive_law.with_state" ? " --with-state"
+                                                                            : "";
       const std::string name      = "Soft_" + kind.substr(0, kind.find('.')) + "2",
                         directory = "in/" + kind;
       const RunResult result = host("--new-plugin " + kind.substr(0, kind.find('.')) + " " + name +
-                                    (energy_only ? " --energy-only" : "") + " --dir " + directory);
+                                    option + " --dir " + directory);
       ASSERT_EQ(result.exit_code, 0) << result.output;
       std::set<std::string> files;
       for (const auto &file : fs::directory_iterator(folder / directory))
@@ -118,8 +120,11 @@ TEST_F(NewPlugin, WhatWillNotDo)
   refused("--new-plugin constitutive_law",
           "--new-plugin takes a kind and a name; write --new-plugin constitutive_law my_law");
   refused("--new-plugin output_writer rubber --energy-only",
-          "--energy-only goes with --new-plugin constitutive_law NAME");
-  refused("case.json --dir there", "--energy-only and --dir go with --new-plugin KIND NAME");
+          "--energy-only and --with-state go with --new-plugin constitutive_law NAME");
+  refused("--new-plugin constitutive_law rubber --energy-only --with-state",
+          "--energy-only and --with-state are two templates; choose one");
+  refused("case.json --dir there",
+          "--energy-only, --with-state and --dir go with --new-plugin KIND NAME");
   refused("--new-plugin output_writer rubber --validate",
           "--new-plugin runs no case: --validate does not go with it");
 

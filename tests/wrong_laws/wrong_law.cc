@@ -2,6 +2,7 @@
 #include <feib/constitutive_law.h>
 #include <feib/plugin.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -160,14 +161,43 @@ namespace
     std::vector<MaterialPoint> points;
   };
 
-  const char *const schema = R"({
+  std::string
+  schema(const std::string &fault)
+  {
+    return R"({
     "type": "object", "additionalProperties": false, "description": "A law with a fault.",
     "required": ["fault"],
     "properties": { "fault": { "type": "string", "description": "What is wrong." } },
-    "examples": [ { "fault": "none" } ] })";
+    "examples": [ { "fault": ")" +
+           fault + R"(" } ] })";
+  }
 } // namespace
 
 FEIB_PLUGIN("wrong_law", "1.0", registry)
 {
-  registry.add<feib::ConstitutiveLaw, WrongLaw>("wrong_law", schema);
+  registry.add<feib::ConstitutiveLaw, WrongLaw>("wrong_law", schema("none"));
+#ifdef FEIB_TEST_FAULTY_EXAMPLES
+  for (std::string fault : {"sign",
+                            "twice",
+                            "somewhere",
+                            "both negative",
+                            "transposed",
+                            "other order",
+                            "constant",
+                            "infinite",
+                            "energy lacks a term",
+                            "no energy",
+                            "not a number at rest",
+                            "derivative lacks a term",
+                            "no derivative",
+                            "half the derivative",
+                            "derivative not a number",
+                            "not linear",
+                            "not objective"})
+    {
+      const std::string text = schema(fault);
+      std::replace(fault.begin(), fault.end(), ' ', '_');
+      registry.add<feib::ConstitutiveLaw, WrongLaw>(fault, text);
+    }
+#endif
 }

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 using namespace feib::testing;
 
 namespace
@@ -97,6 +99,37 @@ TEST(WrongLaws, EachIsStoppedByName)
             << said;
           EXPECT_NE(said.find(fault.sentence), std::string::npos) << said;
         }
+}
+
+/// Without a compiler too, in words that say what is wrong with which law; nothing is written.
+TEST(WrongLaws, CheckPluginNamesEach)
+{
+  const TemporaryFolder folder;
+  const RunResult checked =
+    run_host("--check-plugin " FEIB_WRONG_LAWS "/examples/wrong_examples.feib.so",
+             1,
+             folder.path.string());
+  EXPECT_EQ(checked.exit_code, 2) << checked.output;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+  const auto said_of = [&](std::string name) {
+    std::replace(name.begin(), name.end(), ' ', '_');
+    const std::size_t begin = checked.output.find("\nconstitutive_law/" + name + "\n");
+    if (begin == std::string::npos)
+      return "nothing is said of " + name + ": " + checked.output;
+    return checked.output.substr(begin, checked.output.find("\nconst", begin + 1) - begin);
+  };
+  EXPECT_EQ(said_of("wrong_law").find("FAILED"), std::string::npos) << said_of("wrong_law");
+  for (const Fault &fault : faults)
+    EXPECT_NE(said_of(fault.name).find("FAILED\n"), std::string::npos) << said_of(fault.name);
+  for (const auto &[fault, sentence] :
+       {std::pair<const char *, const char *>{"twice", "P : dF is 2 times the change of W"},
+        {"sign", "P : dF is -1 times the change of W"},
+        {"both negative", "are energy and stress negative?"},
+        {"not linear", "linear() is true, but dP depends on F"},
+        {"not objective", "W(Q F) is not W(F)"},
+        {"not a number at rest", "W is not finite at F = I"},
+        {"half the derivative", "dP is not the derivative of P"}})
+    EXPECT_NE(said_of(fault).find(sentence), std::string::npos) << said_of(fault);
 }
 
 TEST(WrongLaws, RunsEndBeforeAnythingIsWrittenOnAnyNumberOfRanks)

@@ -6,15 +6,19 @@
 
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
+#include <dlfcn.h>
 #include <elf.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 
 namespace feib
@@ -32,7 +36,8 @@ namespace feib
           case file_type::regular:
             return "";
           case file_type::not_found:
-            return "is a link to nothing";
+            return std::filesystem::is_symlink(name, problem) ? "is a link to nothing"
+                                                              : "does not exist";
           case file_type::directory:
             return "is a folder";
           case file_type::fifo:
@@ -142,6 +147,68 @@ namespace feib
     };
 
 
+    /// Takes what is printed meanwhile. A program that prints JSON must not print a plugin's words.
+    class Printed
+    {
+    public:
+      Printed()
+        : before(dup(STDOUT_FILENO))
+        , file(memfd_create("feib", MFD_CLOEXEC))
+      {
+        flush();
+        active = before >= 0 && file >= 0 && dup2(file, STDOUT_FILENO) >= 0;
+      }
+
+      ~Printed()
+      {
+        flush();
+        if (active)
+          dup2(before, STDOUT_FILENO);
+        for (const int descriptor : {before, file})
+          if (descriptor >= 0)
+            close(descriptor);
+      }
+
+      Printed(const Printed &)            = delete;
+      Printed &operator=(const Printed &) = delete;
+
+      /// Its beginning.
+      std::string
+      text() const
+      {
+        flush();
+        char buffer[100];
+        const ssize_t n = active ? pread(file, buffer, sizeof buffer, 0) : 0;
+        return std::string(buffer, n > 0 ? n : 0);
+      }
+
+    private:
+      const int before, file;
+      bool active = false;
+
+      static void
+      flush()
+      {
+        std::cout << std::flush;
+        std::fflush(stdout);
+      }
+    };
+
+
+    /// The number of bytes of the data behind a symbol; 0 where it is no data.
+    std::size_t
+    size_of_data(const void *const symbol)
+    {
+      Dl_info info;
+      const Elf64_Sym *entry = nullptr;
+      void *extra            = nullptr;
+      if (dladdr1(symbol, &info, &extra, RTLD_DL_SYMENT) == 0 || extra == nullptr)
+        return 0;
+      entry = static_cast<const Elf64_Sym *>(extra);
+      return ELF64_ST_TYPE(entry->st_info) == STT_OBJECT ? entry->st_size : 0;
+    }
+
+
     /// What is wrong with the plain data of a plugin, read before any of its code runs, or "".
     std::string
     check_handshake(const FeibPlugin &plugin)
@@ -219,6 +286,7 @@ namespace feib
     try
       {
         const Watch watch(file);
+        const Printed printed;
         libraries->emplace_back(std::filesystem::absolute(file),
                                 boost::dll::load_mode::rtld_now |
                                   boost::dll::load_mode::rtld_local);
@@ -227,11 +295,23 @@ namespace feib
             result.reason = "has no symbol feib_plugin: it is not a Feib plugin";
             return result;
           }
-        const auto &plugin = libraries->back().get<const FeibPlugin>("feib_plugin");
+        const auto &plugin     = libraries->back().get<const FeibPlugin>("feib_plugin");
+        const std::size_t size = size_of_data(&plugin);
+        if (size < sizeof plugin.abi)
+          {
+            result.reason = "has a symbol feib_plugin that is not data: it is not a Feib plugin";
+            return result;
+          }
         if (plugin.abi != FEIB_ABI)
           {
             result.reason = "was built for interface version " + std::to_string(plugin.abi) +
                             "; this is version " + std::to_string(FEIB_ABI) + ": rebuild it";
+            return result;
+          }
+        if (size != sizeof plugin)
+          {
+            result.reason = "has a description of " + std::to_string(size) + " bytes, and not of " +
+                            std::to_string(sizeof plugin) + ": it is not a Feib plugin";
             return result;
           }
         if ((result.reason = check_handshake(plugin)) != "")
@@ -244,7 +324,11 @@ namespace feib
                             FEIB_BUILD_TAG + "\": rebuild it";
             return result;
           }
-        registry.transaction(result.plugin, file, plugin.add_components);
+        registry.transaction(result.plugin, file, [&](Registry &all) {
+          plugin.add_components(all);
+          if (const std::string text = printed.text(); !text.empty())
+            throw Error("prints while it is loaded, \"" + readable(text, 60) + "\"");
+        });
         result.accepted = true;
         for (const Registry::Entry &entry : registry.entries())
           if (entry.origin == file)

@@ -84,6 +84,11 @@ namespace feib
         throw Error("the " + kind + " \"" + name + "\" exists already" +
                     (origin.empty() ? "" : ", from " + origin));
       }
+    constexpr std::size_t largest = 1 << 20; // bytes; they are read whenever the program starts
+    if (schema.size() > largest)
+      throw Error("the schema of the " + kind + " \"" + name + "\" has " +
+                  std::to_string(schema.size()) + " bytes; at most " + std::to_string(largest) +
+                  " are allowed");
     Issues issues = Schema::component_issues(schema);
     for (Issue &issue : issues)
       issue = {"",

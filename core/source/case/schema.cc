@@ -23,13 +23,17 @@ namespace feib
     Json
     parse(const std::string &text)
     {
+      if (too_deep(text))
+        throw Error("not JSON for Feib: objects and arrays are nested deeper than 100 levels");
       try
         {
           return Json::parse(text);
         }
       catch (const Json::exception &failure)
         {
-          throw Error(std::string("not JSON: ") + failure.what());
+          const std::string what = failure.what();
+          throw Error((what.find("UTF-8") != std::string::npos ? "is not UTF-8: " : "not JSON: ") +
+                      what);
         }
     }
 

@@ -4,11 +4,10 @@
 
 #include <feib/constitutive_law.h>
 #include <feib/error.h>
-#include <feib/testing/plugins.h>
+#include <feib/registry.h>
+#include <feib/testing/findings.h>
 
 #include <deal.II/base/derivative_form.h>
-
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
@@ -25,8 +24,12 @@ namespace feib::testing
     using Law    = ConstitutiveLaw<structure_dim, dim>;
     using Matrix = typename Law::Matrix;
 
-    LawSample(const std::string &name, const std::string &example)
-      : law(registry().create<Law>(name, example))
+    LawSample(const Registry &registry,
+              const std::string &name,
+              const std::string &example,
+              Findings &findings)
+      : findings(findings)
+      , law(registry.create<Law>(name, example))
       , points(8)
       , F(points.size())
       , dF(points.size())
@@ -81,11 +84,12 @@ namespace feib::testing
     {
       auto state = moment.state;
       law->update_state(F, state);
-      EXPECT_EQ(state.size(), moment.state.size()) << "one array for each state variable";
+      if (state.size() != moment.state.size())
+        findings.add("there are " + std::to_string(state.size()) + " state variables after a step");
       state.resize(moment.state.size());
       for (auto &values : state)
         {
-          EXPECT_EQ(values.size(), F.size()) << "one value for each point";
+          check_size(values.size());
           values.resize(F.size());
         }
       return state;
@@ -96,7 +100,7 @@ namespace feib::testing
     {
       std::vector<Matrix> P;
       law->viscous_stress(F, rate, P);
-      EXPECT_EQ(P.size(), F.size()) << "one value for each point";
+      check_size(P.size());
       P.resize(F.size());
       return P;
     }
@@ -137,9 +141,9 @@ namespace feib::testing
     std::vector<double>
     energy(const std::vector<Matrix> &F) const
     {
-      std::vector<double> W;
+      std::vector<double> W(F.size());
       law->energy(F, W);
-      EXPECT_EQ(W.size(), F.size()) << "one value for each point";
+      check_size(W.size());
       W.resize(F.size());
       return W;
     }
@@ -147,9 +151,9 @@ namespace feib::testing
     std::vector<Matrix>
     stress(const std::vector<Matrix> &F) const
     {
-      std::vector<Matrix> P;
+      std::vector<Matrix> P(F.size());
       law->stress(F, P);
-      EXPECT_EQ(P.size(), F.size()) << "one value for each point";
+      check_size(P.size());
       P.resize(F.size());
       return P;
     }
@@ -157,9 +161,9 @@ namespace feib::testing
     std::vector<Matrix>
     stress_derivative(const std::vector<Matrix> &dF) const
     {
-      std::vector<Matrix> dP;
+      std::vector<Matrix> dP(F.size());
       law->stress_derivative(F, dF, dP);
-      EXPECT_EQ(dP.size(), F.size()) << "one value for each point";
+      check_size(dP.size());
       dP.resize(F.size());
       return dP;
     }
@@ -192,11 +196,21 @@ namespace feib::testing
       return result;
     }
 
+    Findings &findings;
     std::mt19937 generator;
     std::unique_ptr<Law> law;
     typename Law::Moment moment; // what the law is told
     std::vector<typename Law::MaterialPoint> points;
     std::vector<Matrix> F, dF;
+
+  private:
+    void
+    check_size(const std::size_t size) const
+    {
+      if (size != F.size())
+        findings.add("the law gives " + std::to_string(size) + " values at " +
+                     std::to_string(F.size()) + " points: there must be one value for each point");
+    }
   };
 
 
@@ -204,36 +218,49 @@ namespace feib::testing
   {
     template <int structure_dim, int dim, typename Check>
     void
-    with_law(const std::string &name, const std::string &example, const Check &check)
+    with_law(const Registry &registry,
+             const std::string &name,
+             const std::string &example,
+             const Check &check,
+             Findings &findings)
     {
-      if (!registry().offers<ConstitutiveLaw<structure_dim, dim>>(name))
+      if (!registry.offers<ConstitutiveLaw<structure_dim, dim>>(name))
         return;
-      SCOPED_TRACE("a structure of dimension " + std::to_string(structure_dim) + " in dimension " +
-                   std::to_string(dim) + ", example " + example);
-      std::unique_ptr<LawSample<structure_dim, dim>> sample;
-      try
-        {
-          sample = std::make_unique<LawSample<structure_dim, dim>>(name, example);
-        }
-      catch (const Error &)
-        {
-          return;
-        }
-      check(*sample);
+      findings.place = "a structure of dimension " + std::to_string(structure_dim) +
+                       " in dimension " + std::to_string(dim) + ", example " + example + ": ";
+      findings.run([&] {
+        std::unique_ptr<LawSample<structure_dim, dim>> sample;
+        try
+          {
+            sample =
+              std::make_unique<LawSample<structure_dim, dim>>(registry, name, example, findings);
+          }
+        catch (const Error &)
+          {
+            return;
+          }
+        check(*sample);
+      });
     }
   } // namespace internal
 
 
-  /// Calls @p check with a sample of the law in every pair of dimensions it is offered for. An
-  /// example may be refused in some: fibres need as many components as the space has dimensions.
+  /// Calls @p check with a sample of the law in every pair of dimensions it is offered for, and
+  /// returns what was found; what is thrown is found too. An example may be refused in some pairs:
+  /// fibres need as many components as the space has dimensions.
   template <typename Check>
-  void
-  for_each_law(const std::string &name, const std::string &example, const Check &check)
+  Findings
+  for_each_law(const Registry &registry,
+               const std::string &name,
+               const std::string &example,
+               const Check &check)
   {
-    internal::with_law<1, 2>(name, example, check);
-    internal::with_law<2, 2>(name, example, check);
-    internal::with_law<2, 3>(name, example, check);
-    internal::with_law<3, 3>(name, example, check);
+    Findings findings;
+    internal::with_law<1, 2>(registry, name, example, check, findings);
+    internal::with_law<2, 2>(registry, name, example, check, findings);
+    internal::with_law<2, 3>(registry, name, example, check, findings);
+    internal::with_law<3, 3>(registry, name, example, check, findings);
+    return findings;
   }
 } // namespace feib::testing
 
