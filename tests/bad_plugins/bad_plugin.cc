@@ -108,6 +108,13 @@ FEIB_PLUGIN("printing", "1.0", registry)
   registry.add<ConstitutiveLaw, Spring>("printing_law", spring_schema);
 }
 
+#elif defined(FEIB_TEST_bad_name)
+
+FEIB_PLUGIN("bad_name", "1.0", registry)
+{
+  registry.add<ConstitutiveLaw, Spring>("bad-name-law", spring_schema);
+}
+
 #elif defined(FEIB_TEST_large_schema)
 
 FEIB_PLUGIN("large_schema", "1.0", registry)

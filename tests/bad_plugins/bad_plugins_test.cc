@@ -219,6 +219,87 @@ TEST(BadPlugins, EndingTheProgramIsSaid)
   EXPECT_NE(ended("exit", 2).exit_code, 0);
 }
 
+namespace
+{
+  /// Whether a text is a pattern with "..." for anything.
+  bool
+  fits(const std::string &text, const std::string &pattern)
+  {
+    std::size_t at = 0, begin = 0;
+    while (true)
+      {
+        const std::size_t end   = pattern.find("...", begin);
+        const std::string part  = pattern.substr(begin, end - begin);
+        const std::size_t place = text.find(part, at);
+        if (place == std::string::npos || (begin == 0 && place != 0))
+          return false;
+        at = place + part.size();
+        if (end == std::string::npos)
+          return at == text.size();
+        begin = end + 3;
+        if (begin == pattern.size())
+          return true;
+      }
+  }
+
+  /// All that --list-plugins says of the files it skips in a folder.
+  std::vector<std::string>
+  reasons(const std::string &folder)
+  {
+    std::vector<std::string> result;
+    std::istringstream lines(listed(folder));
+    const std::string start = "  " + folder + "/", middle = ".feib.so: ";
+    for (std::string line; std::getline(lines, line);)
+      if (const std::size_t place = line.find(middle);
+          line.rfind(start, 0) == 0 && place != std::string::npos)
+        result.push_back(line.substr(place + middle.size()));
+    return result;
+  }
+} // namespace
+
+// What docs/writing_a_plugin.md lists is what is printed, and all of it.
+TEST(BadPlugins, EveryReasonIsDocumented)
+{
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "fifo.feib.so").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", folder / "device.feib.so");
+  std::filesystem::create_symlink("nothing", folder / "dangling.feib.so");
+  std::filesystem::create_symlink("loop.feib.so", folder / "loop.feib.so");
+  std::filesystem::create_directory(folder / "folder.feib.so");
+  folder.write("text.feib.so", "text");
+  std::string library = read_file(FEIB_BAD_PLUGINS "/a_good.feib.so");
+  folder.write("short.feib.so", library.substr(0, library.size() / 2));
+  library[4] = 1; // the class of 32 bits
+  folder.write("small.feib.so", library);
+  std::vector<std::string> printed = reasons(folder.path.string());
+  for (const std::string &reason : reasons(FEIB_BAD_PLUGINS))
+    printed.push_back(reason);
+  const std::string missing = run_host("--check-plugin " + shell_quoted(folder / "none")).output,
+                    before  = ": refused: ";
+  printed.push_back(missing.substr(missing.find(before) + before.size()));
+  printed.back().pop_back(); // the end of the line
+  ASSERT_GT(printed.size(), 25u);
+
+  const std::string page = read_file(FEIB_SOURCE "/docs/writing_a_plugin.md");
+  const std::size_t begin =
+    page.find("\n", page.find("```text\n", page.find("## Why did my plugin not load?"))) + 1;
+  std::istringstream lines(page.substr(begin, page.find("```", begin) - begin));
+  std::vector<std::string> patterns;
+  for (std::string line; std::getline(lines, line);)
+    patterns.push_back(line);
+  for (const std::string &pattern : patterns)
+    EXPECT_TRUE(std::any_of(printed.begin(),
+                            printed.end(),
+                            [&](const std::string &reason) { return fits(reason, pattern); }))
+      << "nothing was refused like this: " << pattern;
+  for (const std::string &reason : printed)
+    EXPECT_TRUE(reason == "cannot find the licence key" || // the plugin's own
+                std::any_of(patterns.begin(),
+                            patterns.end(),
+                            [&](const std::string &pattern) { return fits(reason, pattern); }))
+      << "docs/writing_a_plugin.md does not have it: " << reason;
+}
+
 /// What --check-plugin says.
 TEST(CheckPlugin, SaysWhatARunSays)
 {

@@ -164,7 +164,17 @@ TEST_F(BadInput, NumbersBeyondNumbers)
              "2147483647, found " +
              number});
   refused(changed("[2, 2]", "[18446744073709551616, 2]"),
-          {"case.json:3:25: error: /domain/cells/0: must be an integer, found the number 1.8"});
+          {"case.json:3:25: error: /domain/cells/0: must be an integer from -2147483648 to "
+           "2147483647, found 1.8"});
+}
+
+TEST_F(BadInput, WholeNumbersAreIntegersHoweverWritten)
+{
+  refused(changed("[2, 2]", "[2.5, 2]"),
+          {"case.json:3:25: error: /domain/cells/0: must be an integer, found the number 2.5"});
+  folder.write("case.json", changed("[2, 2]", "[2.0, 2e0]"));
+  const RunResult result = run_host("--validate case.json", 1, folder.path.string());
+  EXPECT_EQ(result.exit_code, 0) << result.output;
 }
 
 TEST_F(BadInput, BoxesBeyondArithmetic)

@@ -148,6 +148,7 @@ TEST_F(Package, ALawIsBuiltTestedAndRunOutsideTheTree)
           shell_quoted(FEIB_COMPILER) + " -DCMAKE_PREFIX_PATH=" + shell_quoted(prefix),
         cmake + " --build my_gent/build -j2",
         shell_quoted(FEIB_CTEST) + " --test-dir my_gent/build --output-on-failure",
+        host + " --check-plugin my_gent/build/plugins/my_gent.feib.so",
         host + " my_gent/case.json --plugin-path my_gent/build/plugins --set /domain/cells=[8,8] "
                "--set /time/end=0.02 --set '/structures/0/hyperelastic/law={\"my_gent\": "
                "{\"shear_modulus\": 1, \"limit\": 2}}'"})

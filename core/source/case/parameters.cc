@@ -3,6 +3,7 @@
 
 #include <feib/registry.h>
 
+#include <cmath>
 #include <limits>
 
 namespace feib
@@ -39,7 +40,9 @@ namespace feib
     int
     to_integer(const Parameters::Node &node, const std::string &key, const Json &value)
     {
-      if (!value.is_number_integer())
+      const bool is_whole =
+        value.is_number() && std::trunc(value.get<double>()) == value.get<double>();
+      if (!is_whole)
         misuse(node, key, "is not an integer");
       const double wide = value.get<double>();
       if (wide > std::numeric_limits<int>::max() || wide < std::numeric_limits<int>::min())

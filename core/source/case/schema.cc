@@ -4,12 +4,14 @@
 #include <feib/registry.h>
 #include <feib/schema.h>
 
+#define VALIJSON_USE_EXCEPTIONS 1 // instead of abort()
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -217,6 +219,22 @@ namespace feib
           describe_properties(rest, indent + "    ", text);
         }
     }
+
+
+    /// valijson holds integers of 63 bits, and takes no 2.0 for one: what is whole becomes an
+    /// integer where it fits, and a number else.
+    void
+    convert_integers(nlohmann::json &value)
+    {
+      constexpr double limit = 9223372036854775808.;
+      if (value.is_structured())
+        for (nlohmann::json &part : value)
+          convert_integers(part);
+      else if (value.is_number() && std::abs(value.get<double>()) >= limit)
+        value = value.get<double>();
+      else if (is_integer(value))
+        value = value.get<std::int64_t>();
+    }
   } // namespace
 
 
@@ -235,7 +253,8 @@ namespace feib
       if (!compiled)
         {
           compiled = std::make_unique<valijson::Schema>();
-          const nlohmann::json plain(document);
+          nlohmann::json plain(document);
+          convert_integers(plain);
           valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(plain),
                                                   *compiled);
         }
@@ -310,27 +329,11 @@ namespace feib
   }
 
 
-  namespace
-  {
-    /// Validators hold integers of 63 bits; what is larger is a number to them.
-    void
-    widen_integers(nlohmann::json &value)
-    {
-      if (value.is_number_unsigned() &&
-          value.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max()))
-        value = value.get<double>();
-      else if (value.is_structured())
-        for (nlohmann::json &part : value)
-          widen_integers(part);
-    }
-  } // namespace
-
-
   bool
   Schema::accepts(const std::string &document) const
   {
     nlohmann::json json(parse(document));
-    widen_integers(json);
+    convert_integers(json);
     const valijson::adapters::NlohmannJsonAdapter target(json);
     valijson::Validator validator;
     return validator.validate(implementation->judge(), target, nullptr);

@@ -59,7 +59,7 @@ namespace feib
              : type == "array"   ? value.is_array()
              : type == "string"  ? value.is_string()
              : type == "number"  ? value.is_number()
-             : type == "integer" ? value.is_number_integer()
+             : type == "integer" ? is_integer(value)
                                  : value.is_boolean();
     }
 
@@ -142,7 +142,7 @@ namespace feib
       const double x = value.get<double>();
       // The largest that components can hold; validators stop at other bounds.
       using Limits = std::numeric_limits<int>;
-      if (value.is_number_integer() && member(schema, "type") == "integer" &&
+      if (is_integer(value) && member(schema, "type") == "integer" &&
           (x < Limits::min() || x > Limits::max()))
         {
           issues.push_back({pointer,

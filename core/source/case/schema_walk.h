@@ -4,11 +4,23 @@
 
 #include "json.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace feib
 {
+  /// Whether a JSON value counts as an integer: 2.0 does in draft 7.
+  template <typename Value>
+  bool
+  is_integer(const Value &value)
+  {
+    return value.is_number_integer() ||
+           (value.is_number_float() &&
+            std::trunc(value.template get<double>()) == value.template get<double>());
+  }
+
+
   /// Walks a document along a schema: what is wrong with it, in sentences, and the defaults that it
   /// lacks.
   class SchemaWalk
