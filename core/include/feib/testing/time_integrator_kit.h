@@ -122,10 +122,36 @@ namespace feib::testing
   }
 
 
+  /// Viscosity, state and time of a law each change where the body goes.
+  inline void
+  check_inelastic_acts(const std::string &scheme, const std::string &block)
+  {
+    const std::string rubber = R"({"neo_hookean": {"shear_modulus": 2, "stress_free": true}})";
+    const auto positions     = [&](const std::string &law) {
+      SchemeTrial<2> trial(scheme, block, {{"/structures/1/hyperelastic/law", law}});
+      for (unsigned int n = 0; n < 4; ++n)
+        trial.step();
+      return trial.structures[1].model->positions;
+    };
+    const Positions<2> elastic = positions(rubber);
+    for (const std::string law :
+         {R"({"kelvin_voigt": {"viscosity": 0.5, "law": )",
+          R"({"mullins_damage": {"r": 1, "m": 0.001, "law": )",
+          R"({"active_fibre": {"tension": "50*t", "fibres": [[1, 0]], "law": )"})
+      {
+        const Positions<2> X = positions(law + rubber + "}}");
+        EXPECT_GT(X.largest([&](const unsigned int i) { return X[i].distance(elastic[i]); }), 1e-7)
+          << "the body moves as if its law were elastic: " << law
+          << "...}}; a scheme calls viscous_load, update_state and set_moment of structures";
+      }
+  }
+
+
   /// All of these, with a body whose law depends on the rate, on its state and on time.
   inline void
   check_inelastic(const std::string &scheme, const std::string &block)
   {
+    check_inelastic_acts(scheme, block);
     check_energy_of<2>(scheme, block, inelastic_body());
     check_undo_of<2>(scheme, block, inelastic_body());
     check_checkpoint_of<2>(scheme, block, inelastic_body());
