@@ -253,16 +253,15 @@ namespace feib
         if (place == "/structures") // a box that holds it
           {
             const auto model = registry.create<StructureModel<dim>>(entry.name, block);
-            std::vector<double> lower(dim, 1e300), upper(dim, -1e300);
-            for (const dealii::Point<dim> &X : model->positions)
-              for (unsigned int a = 0; a < dim; ++a)
-                {
-                  lower[a] = std::min(lower[a], X[a]);
-                  upper[a] = std::max(upper[a], X[a]);
-                }
+            const auto &X    = model->positions;
+            std::vector<double> lower(dim), upper(dim);
             double size = 0;
             for (unsigned int a = 0; a < dim; ++a)
-              size = std::max(size, upper[a] - lower[a]);
+              {
+                upper[a] = X.largest([&](const unsigned int i) { return X[i][a]; });
+                lower[a] = -X.largest([&](const unsigned int i) { return -X[i][a]; });
+                size     = std::max(size, upper[a] - lower[a]);
+              }
             for (unsigned int a = 0; a < dim; ++a)
               {
                 lower[a] -= size;

@@ -126,7 +126,7 @@ namespace
                    std::vector<Matrix> &P) const override
     {
       P.assign(F.size(), Matrix());
-      for (unsigned int q = 0; q < F.size(); ++q)
+      for (unsigned int q = 0; q < F.size() && viscous(); ++q)
         {
           for (unsigned int i = 0; i < dim; ++i)
             P[q][i] = F[q][i] * (C(F[q], rate[q]) + C(rate[q], F[q]));
@@ -193,10 +193,15 @@ FEIB_PLUGIN("wrong_law", "1.0", registry)
                             "half the derivative",
                             "derivative not a number",
                             "not linear",
+                            "viscous, sign",
+                            "viscous, square",
+                            "viscous, no potential",
+                            "viscous, rotation",
                             "not objective"})
     {
       const std::string text = schema(fault);
       std::replace(fault.begin(), fault.end(), ' ', '_');
+      std::replace(fault.begin(), fault.end(), ',', '_');
       registry.add<feib::ConstitutiveLaw, WrongLaw>(fault, text);
     }
 #endif

@@ -3,6 +3,7 @@
 #define feib_testing_findings_h
 
 #include <exception>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -19,13 +20,18 @@ namespace feib::testing
 
     std::vector<std::string> sentences;
 
-    /// The first sentence of a place is kept: the others are mostly the same one, at other points.
+    /// At each place a sentence is kept once: at other points it is the same one.
     void
     add(const std::string &sentence)
     {
-      if (sentences.empty() || last != place)
-        sentences.push_back(place + sentence);
-      last = place;
+      add(sentence, "");
+    }
+
+    void
+    expect(const bool holds, const char *const sentence)
+    {
+      if (!holds)
+        add(sentence);
     }
 
     /// Unless the value is below the limit; what is not a number is not.
@@ -35,8 +41,8 @@ namespace feib::testing
       if (value < limit)
         return;
       std::ostringstream text;
-      text << sentence << " (by " << value << ", where " << limit << " is allowed)";
-      add(text.str());
+      text << " (by " << value << ", where " << limit << " is allowed)";
+      add(sentence, text.str());
     }
 
     /// What an action throws is a finding.
@@ -65,7 +71,14 @@ namespace feib::testing
     }
 
   private:
-    std::string last;
+    std::set<std::string> said;
+
+    void
+    add(const std::string &sentence, const std::string &amount)
+    {
+      if (said.insert(place + sentence).second)
+        sentences.push_back(place + sentence + amount);
+    }
   };
 } // namespace feib::testing
 

@@ -85,7 +85,8 @@ namespace feib::testing
       auto state = moment.state;
       law->update_state(F, state);
       if (state.size() != moment.state.size())
-        findings.add("there are " + std::to_string(state.size()) + " state variables after a step");
+        findings.add("the law has " + std::to_string(moment.state.size()) +
+                     " state variables and gives " + std::to_string(state.size()));
       state.resize(moment.state.size());
       for (auto &values : state)
         {
@@ -98,7 +99,7 @@ namespace feib::testing
     std::vector<Matrix>
     viscous_stress(const std::vector<Matrix> &F, const std::vector<Matrix> &rate) const
     {
-      std::vector<Matrix> P;
+      std::vector<Matrix> P(F.size());
       law->viscous_stress(F, rate, P);
       check_size(P.size());
       P.resize(F.size());

@@ -224,7 +224,7 @@ namespace feib::testing
           EXPECT_NEAR(by_entries[q * dim + a], expected[q][a], 1e-12 * scale);
       if (model.conservative())
         {
-          EXPECT_LE(product(expected, at_points(model.load_points(), U)), 0);
+          EXPECT_LE(expected * at_points(model.load_points(), U), 0);
         }
     });
   }
