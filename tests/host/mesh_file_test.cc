@@ -72,12 +72,16 @@ $EndElements
             const std::string &other_folder,
             const std::string &other_arguments)
     {
+      // One program, as mpiexec of Open MPI 5.0.7 does not survive two.
       const std::string host = shell_quoted(FEIB_HOST);
       std::string command    = host_command();
       command.resize(command.size() - host.size());
-      return run_command(command + FEIB_MPIEXEC + " --oversubscribe -np 1 --wdir " +
-                         shell_quoted(folder) + " " + host + " " + arguments + " : -np 1 --wdir " +
-                         shell_quoted(other_folder) + " " + host + " " + other_arguments);
+      const std::string script = "if [ \"$OMPI_COMM_WORLD_RANK\" = 0 ]; then cd " +
+                                 shell_quoted(folder) + " && exec " + host + " " + arguments +
+                                 "; else cd " + shell_quoted(other_folder) + " && exec " + host +
+                                 " " + other_arguments + "; fi";
+      return run_command(command + FEIB_MPIEXEC + " --oversubscribe -np 2 sh -c " +
+                         shell_quoted(script));
     }
 
     TemporaryFolder folder;

@@ -165,10 +165,14 @@ namespace feib
         }
       catch (const Json::parse_error &failure)
         {
-          std::string message     = failure.what();
-          const std::size_t start = message.find("syntax error");
-          if (start != std::string::npos)
-            message.erase(0, start);
+          std::string message = failure.what();
+          // Behind the place, which is said as that of the file.
+          const std::size_t column = message.find("column ");
+          const std::size_t start  = message.find(": ", column);
+          if (column != std::string::npos && start != std::string::npos)
+            message.erase(0, start + 2);
+          if (message.rfind("syntax error", 0) != 0)
+            message = "syntax error: " + message;
           throw Error(Issues{{"", message, std::max<std::size_t>(failure.byte, 1) - 1}});
         }
       catch (const Json::out_of_range &failure)

@@ -8,6 +8,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
@@ -20,6 +21,10 @@ namespace feib
     {
       if (code == MPI_SUCCESS)
         return;
+      // Some MPI libraries say no more than that writing failed; the system knows why.
+      for (const int reason : {EFBIG, ENOSPC, EDQUOT, EIO})
+        if (errno == reason)
+          throw RunFailure(file + ": " + std::strerror(reason));
       char text[MPI_MAX_ERROR_STRING];
       int length = 0;
       MPI_Error_string(code, text, &length);
@@ -137,6 +142,7 @@ namespace feib
     write(entry);
     if (kind == '0')
       return;
+    errno = 0;
     check(MPI_File_write_at_all(this->file,
                                 this->offset(n_in_file, vector),
                                 vector.begin(),

@@ -13,7 +13,9 @@ namespace
   Configuration
   start()
   {
-    return {{{0., 0.}, {1., 0.}, {0., 1.}}, {{.5, .5}, {.2, .3}}};
+    using Places = std::vector<dealii::Point<2>>;
+    return {Positions<2>(Places{{0., 0.}, {1., 0.}, {0., 1.}}),
+            Positions<2>(Places{{.5, .5}, {.2, .3}})};
   }
 
   /// Away from where it should be by @p slope times as much, and the other way.
