@@ -3,7 +3,7 @@
 
 find_package(deal.II 9.4.1 REQUIRED HINTS /usr)
 if(DEAL_II_VERSION VERSION_GREATER_EQUAL 9.7)
-  message(FATAL_ERROR "deal.II ${DEAL_II_VERSION} is not supported: 9.4.1 (Debian 12) is, and 9.6.2 (Debian 13) may be tried")
+  message(FATAL_ERROR "deal.II ${DEAL_II_VERSION} is not supported: 9.4.1 (Debian 12) and 9.6.2 (Debian 13) are")
 endif()
 find_package(MPI REQUIRED COMPONENTS C CXX)
 
