@@ -51,7 +51,7 @@ namespace
 
 TEST_F(NewPlugin, HasNothingOfTheTemplateButItsText)
 {
-  ASSERT_GE(templates().size(), 7u);
+  ASSERT_GE(templates().size(), 8u);
   for (const auto &[kind, old] : templates())
     {
       SCOPED_TRACE(kind);
@@ -101,11 +101,12 @@ TEST_F(NewPlugin, WhatWillNotDo)
 {
   refused("--new-plugin law rubber",
           "there is no template of a plugin of the kind \"law\"; the kinds are constitutive_law, "
-          "coupling_operator, output_writer, refinement_strategy, time_integrator");
+          "coupling_operator, output_writer, refinement_strategy, structure_force, "
+          "time_integrator");
   refused("--new-plugin constitutive_law.energy_only rubber",
           "there is no template of a plugin of the kind \"constitutive_law.energy_only\"; the "
           "kinds are constitutive_law, coupling_operator, output_writer, refinement_strategy, "
-          "time_integrator");
+          "structure_force, time_integrator");
   for (const std::string name : {"my-law", "2law", "lös"})
     refused("--new-plugin constitutive_law " + name,
             "the name \"" + name +

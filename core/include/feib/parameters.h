@@ -27,6 +27,11 @@ namespace feib
     int integer(const std::string &key) const;
     bool boolean(const std::string &key) const;
     std::string string(const std::string &key) const;
+
+    /// A text that names columns and files of results. Throws Error unless it is made of letters,
+    /// digits and _.
+    std::string word(const std::string &key) const;
+
     std::vector<double> numbers(const std::string &key) const;
     std::vector<int> integers(const std::string &key) const;
 

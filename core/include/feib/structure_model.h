@@ -6,7 +6,9 @@
 #include <feib/lagrangian_points.h>
 #include <feib/matrix_entry.h>
 #include <feib/parameters.h>
+#include <feib/structure_force.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,9 +53,46 @@ namespace feib
     /// structure of the fluid's density.
     virtual const std::vector<double> &excess_mass() const = 0;
 
-    /// The moment at which the functions of X below are taken, for laws that depend on it; @p
-    /// elapsed is the time since the beginning of the step, 0 between steps. Schemes call it at the
-    /// beginning of a step with the time of their load, and at its end.
+    /// What acts on the structure beside its laws, attached to it: from now on part of the
+    /// functions below. Once, before the first step. Throws Error when it takes none.
+    virtual void
+    set_forces(std::vector<std::unique_ptr<StructureForce<dim>>> forces)
+    {
+      if (!forces.empty())
+        throw Error("", "the structure \"" + name() + "\" takes no forces");
+    }
+
+    /// The names of the forces.
+    virtual std::vector<std::string>
+    force_names() const
+    {
+      return {};
+    }
+
+    /// The energy of each force at X.
+    virtual std::vector<double>
+    force_energies(const Positions<dim> &X) const
+    {
+      (void)X;
+      return {};
+    }
+
+    /// What each force does to the nodes when its load is taken at X, and viscous and external
+    /// loads at @p geometry, for velocities @p U.
+    virtual std::vector<NodalField<dim>>
+    force_loads(const Positions<dim> &X,
+                const Positions<dim> &geometry,
+                const NodalField<dim> &U) const
+    {
+      (void)X;
+      (void)geometry;
+      (void)U;
+      return {};
+    }
+
+    /// The moment at which the functions of X below are taken, for laws and forces that depend on
+    /// it; @p elapsed is the time since the beginning of the step, 0 between steps. Schemes call it
+    /// at the beginning of a step with the time of their load, and at its end.
     virtual void
     set_moment(const double time, const double elapsed)
     {
@@ -61,7 +100,8 @@ namespace feib
       (void)elapsed;
     }
 
-    /// The end of a step at X: the state of the laws becomes what X makes it. Once for each step.
+    /// The end of a step at X: the state of laws and forces becomes what X makes it. Once for each
+    /// step.
     virtual void
     update_state(const Positions<dim> &X)
     {
@@ -75,10 +115,11 @@ namespace feib
       return {};
     }
 
-    /// E_h(X), the elastic energy.
+    /// E_h(X), the energy of laws and forces.
     virtual double energy(const Positions<dim> &X) const = 0;
 
-    /// The points the load acts at: the nodes, or Gauss points of faces.
+    /// The points the load acts at: the nodes, or Gauss points of faces (and, where there are
+    /// forces, the nodes after them).
     virtual const LagrangianPoints &load_points() const = 0;
 
     /// The load <F_h, v> = sum_q load[q] . v(x_q) at the load points. With the vertex rule
@@ -118,6 +159,21 @@ namespace feib
       return {};
     }
 
+    /// Whether there is a load of forces that comes from no energy.
+    virtual bool
+    external() const
+    {
+      return false;
+    }
+
+    /// That load, at the load points.
+    virtual void
+    external_load(const Positions<dim> &X, NodalField<dim> &load) const
+    {
+      (void)X;
+      load = NodalField<dim>(load_points());
+    }
+
     /// Whether the load is linear in X, so that its derivative does not depend on X.
     virtual bool linear() const = 0;
 
@@ -129,6 +185,7 @@ namespace feib
     {
       double reference = 0; // of d2W/dF2: kappa_max of the stability analysis
       double spatial   = 0; // of J^-1 d2W/dH2 for gradients H at the present place, dF = H F
+      typename StructureForce<dim>::Stiffness forces; // of all forces
     };
 
     virtual Stiffness stiffness(const Positions<dim> &X) const = 0;

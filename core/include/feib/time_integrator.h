@@ -30,13 +30,20 @@ namespace feib
       Timers &timers;
     };
 
-    /// What the fluid gets from one structure, averages over the step.
-    struct Exchange
+    /// What the fluid gets, averages over the step.
+    struct Impulse
     {
-      /// Of elastic, viscous and inertial forces on the fluid: their work on u, per time.
-      double power = 0;
+      double power = 0; // the work of the forces on u, per time
       dealii::Tensor<1, dim> force;
       dealii::Tensor<1, 3> torque; // about the origin; the third component in 2D
+    };
+
+    /// What the fluid gets from one structure: by elastic, viscous and inertial forces and those of
+    /// StructureForce.
+    struct Exchange : Impulse
+    {
+      /// The part that each force of the structure has in that, in their order.
+      std::vector<Impulse> forces;
       /// The part of the change of the measure over the step that comes from a flux of the discrete
       /// velocity through the structure: dt A'(X)[J u] at the X where J is taken. The rest is
       /// error of the time scheme. Zero for open curves and surfaces.
@@ -48,12 +55,13 @@ namespace feib
       double numerical   = 0;
       double unexplained = 0;
       /// Energy that left the structure neither as elastic work nor by the scheme: what viscosity
-      /// and the state of its laws dissipated, less what came in where a law depends on time.
+      /// and the state of its laws dissipated, less what came in where a law or a force depends on
+      /// time, or comes from no energy.
       double inelastic = 0;
-      /// The work of the elastic load along the way of the step, without sign: the measure of
+      /// The work of the load along the way of the step, without sign: the measure of
       /// unexplained energy.
       double elastic_work = 0;
-      /// E(X^{n+1}), which the ledger takes from here. A scheme must set it.
+      /// E(X^{n+1}), of laws and forces, which the ledger takes from here. A scheme must set it.
       double elastic_energy = std::numeric_limits<double>::quiet_NaN();
     };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.h"
-#include "text_file.h"
+#include <feib/text_file.h>
 
 #include <feib/case.h>
 #include <feib/expression.h>

@@ -102,6 +102,19 @@ namespace feib
   }
 
 
+  std::string
+  Parameters::word(const std::string &key) const
+  {
+    const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    const std::string text    = string(key);
+    if (text.empty() || text.find_first_not_of(letters) != std::string::npos)
+      fail(key,
+           "must be made of letters, digits and _, as results are named by it; found \"" + text +
+             "\"");
+    return text;
+  }
+
+
   std::vector<double>
   Parameters::numbers(const std::string &key) const
   {

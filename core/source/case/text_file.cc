@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "text_file.h"
+#include <feib/text_file.h>
 
 #include <feib/error.h>
 

@@ -50,6 +50,7 @@ namespace feib
     archive("largest_dt", largest_dt);
     archive("leak", leak);
     archive("time_error", time_error);
+    archive("impulse", impulse);
     archive("first_linear_iterations", first_linear_iterations);
   }
 
@@ -62,13 +63,19 @@ namespace feib
     result.fluid            = components.fluid->balance(*components.space);
     result.kinetic          = result.fluid.kinetic_energy;
     result.elastic          = 0;
+    result.potential        = 0;
     result.momentum         = result.fluid.momentum;
     result.angular_momentum = result.fluid.angular_momentum;
     for (unsigned int s = 0; s < components.structures.size(); ++s)
       {
         const StructureModel<dim> &model = *components.structures[s].model;
-        result.elastic += s < report.exchanges.size() ? report.exchanges[s].elastic_energy
-                                                      : model.energy(model.positions);
+        double of_forces                 = 0;
+        for (const double energy : model.force_energies(model.positions))
+          of_forces += energy;
+        result.potential += of_forces;
+        result.elastic += (s < report.exchanges.size() ? report.exchanges[s].elastic_energy
+                                                       : model.energy(model.positions)) -
+                          of_forces;
         for (unsigned int i = 0; i < model.excess_mass().size(); ++i)
           {
             const dealii::Tensor<1, dim> p = model.excess_mass()[i] * model.velocities[i];
@@ -99,7 +106,11 @@ namespace feib
     totals.numerical += report.numerical;
     totals.unexplained += report.unexplained;
     for (const auto &exchange : report.exchanges)
-      totals.inelastic += exchange.inelastic;
+      {
+        totals.inelastic += exchange.inelastic;
+        for (const Impulse &force : exchange.forces)
+          totals.impulse += dt * force.force;
+      }
     totals.boundary_work += report.boundary_work;
     totals.body_work += report.body_work;
     totals.linear_iterations += report.linear_iterations;
@@ -131,11 +142,22 @@ namespace feib
     row.emplace_back("measure_" + model.name(), model.measure(model.positions));
     row.emplace_back("leak_" + model.name(), totals.leak[s]);
     row.emplace_back("time_error_" + model.name(), totals.time_error[s]);
-    row.emplace_back("power_" + model.name(), exchange.power);
-    for (unsigned int a = 0; a < dim; ++a)
-      row.emplace_back(std::string("force_") + axes[a] + "_" + model.name(), exchange.force[a]);
-    for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
-      row.emplace_back(std::string("torque_") + axes[a] + "_" + model.name(), exchange.torque[a]);
+    const auto add_impulse = [&](const std::string &name, const Impulse &impulse) {
+      row.emplace_back("power_" + name, impulse.power);
+      for (unsigned int a = 0; a < dim; ++a)
+        row.emplace_back(std::string("force_") + axes[a] + "_" + name, impulse.force[a]);
+      for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
+        row.emplace_back(std::string("torque_") + axes[a] + "_" + name, impulse.torque[a]);
+    };
+    add_impulse(model.name(), exchange);
+    const std::vector<std::string> forces = model.force_names();
+    const std::vector<double> energies    = model.force_energies(model.positions);
+    for (unsigned int f = 0; f < forces.size(); ++f)
+      {
+        const std::string name = model.name() + "_" + forces[f];
+        row.emplace_back("energy_" + name, energies[f]);
+        add_impulse(name, f < exchange.forces.size() ? exchange.forces[f] : Impulse());
+      }
     const dealii::Point<dim> centroid = model.centroid(model.positions);
     for (unsigned int a = 0; a < dim; ++a)
       {
@@ -189,7 +211,7 @@ namespace feib
     {
       const Timers::Section section(components.timers, "accounting");
       const State now    = state(report);
-      const double total = now.kinetic + now.elastic;
+      const double total = now.kinetic + now.elastic + now.potential;
       sum_up(step, dt, report, total);
       const double initial = step > 0 ? ledger.first("total_energy") : total;
       const double closure = total - initial + totals.dissipated + totals.convected +
@@ -202,6 +224,7 @@ namespace feib
              {"dt", dt},
              {"kinetic", now.kinetic},
              {"elastic", now.elastic},
+             {"potential", now.potential},
              {"dissipated", totals.dissipated},
              {"convected", totals.convected},
              {"numerical", totals.numerical},

@@ -14,7 +14,8 @@ namespace feib
   class Accounts
   {
   public:
-    using Report = typename TimeIntegrator<dim>::Report;
+    using Impulse = typename TimeIntegrator<dim>::Impulse;
+    using Report  = typename TimeIntegrator<dim>::Report;
 
     explicit Accounts(Components<dim> &components);
 
@@ -33,6 +34,7 @@ namespace feib
       double smallest_dt               = std::numeric_limits<double>::infinity();
       double largest_dt                = 0;
       std::vector<double> leak, time_error; // per structure, of its measure
+      dealii::Tensor<1, dim> impulse;       // of the forces on structures
       double first_linear_iterations = 0;   // of the first step
 
       void archive(Archive &archive);
@@ -69,7 +71,7 @@ namespace feib
     struct State
     {
       typename FluidSolver<dim>::Balance fluid;
-      double kinetic, elastic;
+      double kinetic, elastic, potential; // potential: of the forces on structures
       dealii::Tensor<1, dim> momentum;
       dealii::Tensor<1, 3> angular_momentum;
     };

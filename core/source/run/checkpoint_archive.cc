@@ -2,7 +2,7 @@
 #include "checkpoint_archive.h"
 
 #include "synced_file.h"
-#include "text_file.h"
+#include <feib/text_file.h>
 
 #include <feib/failure.h>
 

@@ -7,6 +7,7 @@
 
 #include <feib/expression.h>
 #include <feib/lattice.h>
+#include <feib/message.h>
 #include <feib/registry.h>
 
 #include <set>
@@ -105,16 +106,16 @@ namespace feib
   void
   Components<dim>::build_structures(const Parameters &parameters, Issues &issues)
   {
+    const double end = parameters.child("time").number("end");
     std::set<std::string> names;
     for (const Parameters &slot : parameters.children("structures"))
       collect(issues, [&] {
         ImmersedStructure<dim> structure;
         structure.model  = slot.template create<StructureModel<dim>>();
         structure.motion = parameters.child("coupling").template create<CouplingOperator<dim>>();
-        const unsigned int n_nodes          = structure.model->mesh().n_nodes();
-        structure.nodes                     = LagrangianPoints::nodes(n_nodes);
-        const LagrangianPoints &load_points = structure.model->load_points();
-        if (!load_points.are_nodes(n_nodes))
+        const unsigned int n_nodes = structure.model->mesh().n_nodes();
+        structure.nodes            = LagrangianPoints::nodes(n_nodes);
+        if (!structure.model->load_points().are_nodes(n_nodes))
           structure.loading = parameters.child("coupling").template create<CouplingOperator<dim>>();
 
         const Parameters block = slot.choice().second;
@@ -142,10 +143,37 @@ namespace feib
         if (space && torn(*structure.model))
           block.fail(block.has("initial_position") ? "initial_position" : "mesh",
                      "tears the structure: one of its elements is longer than the box");
+        check_density(*structure.model, block);
         check_law(*structure.model, slot);
+        build_forces(*structure.model, block, sample_times(end));
         initial_positions.push_back(structure.model->positions);
         structures.push_back(std::move(structure));
       });
+  }
+
+
+  template <int dim>
+  void
+  Components<dim>::build_forces(StructureModel<dim> &model,
+                                const Parameters &block,
+                                const std::vector<double> &times)
+  {
+    if (!block.has("forces"))
+      return;
+    std::vector<std::unique_ptr<StructureForce<dim>>> forces;
+    std::set<std::string> names;
+    for (const Parameters &slot : block.children("forces"))
+      {
+        const auto [component, parameters] = slot.choice();
+        forces.push_back(slot.template create<StructureForce<dim>>());
+        forces.back()->name = parameters.has("name") ? parameters.word("name") : component;
+        if (!names.insert(forces.back()->name).second)
+          parameters.fail(parameters.has("name") ? "name" : "",
+                          "is a second force called \"" + forces.back()->name +
+                            "\"; each force of a structure needs a name of its own");
+        forces.back()->attach({model.mesh(), model.positions, model.excess_mass(), times});
+      }
+    model.set_forces(std::move(forces));
   }
 
 
@@ -229,6 +257,27 @@ namespace feib
       collect(issues, [&] { writer->check(context); });
     for (Expressions<dim> *exact : exact_expressions)
       add(issues_inside(*space, *exact, end));
+  }
+
+
+  template <int dim>
+  void
+  Components<dim>::check_density(const StructureModel<dim> &model, const Parameters &block) const
+  {
+    const LagrangianMesh<dim> &mesh   = model.mesh();
+    const std::vector<double> &masses = model.excess_mass();
+    if (!fluid || masses.empty())
+      return;
+    std::vector<double> measures(masses.size(), 0.);
+    for (const auto &element : mesh.elements())
+      for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
+        measures[element.nodes[k]] += element.measure / (mesh.structure_dim() + 1);
+    for (unsigned int i = 0; i < masses.size(); ++i)
+      if (masses[i] <= -fluid->density() * measures[i])
+        block.fail("excess_density",
+                   "is " + readable(masses[i] / measures[i]) + " at node " +
+                     std::to_string(mesh.node_number(i)) + "; it must be greater than " +
+                     readable(-fluid->density()) + ", that the structure has a mass");
   }
 
 

@@ -47,6 +47,10 @@ namespace feib
   private:
     void build_time(const Parameters &parameters, Issues &issues);
     void build_structures(const Parameters &parameters, Issues &issues);
+    void build_forces(StructureModel<dim> &model,
+                      const Parameters &block,
+                      const std::vector<double> &times);
+    void check_density(const StructureModel<dim> &model, const Parameters &block) const;
     void build_outputs(const Parameters &parameters, Issues &issues);
     void build_exact(const Parameters &parameters, Issues &issues);
     void make_mesh(const CheckContext<dim> &context, Issues &issues);

@@ -32,8 +32,14 @@ namespace feib
     NodalField<dim> force;
     for (const ImmersedStructure<dim> &structure : components.structures)
       {
-        structure.model->load(structure.model->positions, force);
+        const StructureModel<dim> &model = *structure.model;
+        model.load(model.positions, force);
         structure.spreading().spread(space, force, load);
+        if (model.external())
+          {
+            model.external_load(model.positions, force);
+            structure.spreading().spread(space, force, load);
+          }
       }
     InertialLoad<dim> inertia(space, components.structures, 1.);
     components.fluid->find_pressure(space, {0., dt, load, inertia.empty() ? nullptr : &inertia});

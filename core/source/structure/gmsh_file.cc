@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gmsh_file.h"
-#include "text_file.h"
+#include <feib/text_file.h>
 
 #include <feib/error.h>
 #include <feib/message.h>

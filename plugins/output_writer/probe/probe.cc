@@ -85,15 +85,9 @@ namespace
 
   template <int dim>
   Probe<dim>::Probe(const feib::Parameters &parameters)
-    : name(parameters.string("name"))
+    : name(parameters.word("name"))
     , steps(parameters.integer("interval"))
   {
-    const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    if (name.empty() || name.find_first_not_of(letters) != std::string::npos)
-      parameters.fail("name",
-                      "must be made of letters, digits and _, as it names a file; found \"" + name +
-                        "\"");
-
     const auto [kind, place] = parameters.child("at").choice();
     if (kind == "points")
       for (unsigned int i = 0; place.has("places/" + std::to_string(i)); ++i)

@@ -21,7 +21,7 @@ namespace feib
   template <int structure_dim, int dim>
   ElasticStructure<structure_dim, dim>::ElasticStructure(const Parameters &parameters,
                                                          std::unique_ptr<Law> constitutive_law)
-    : structure_name(feib::structure_name(parameters))
+    : structure_name(parameters.word("name"))
     , reference_mesh(make_structure_mesh<dim>(parameters, m, this->positions))
     , first(reference_mesh.local_elements().first)
     , last(reference_mesh.local_elements().second)
@@ -30,7 +30,8 @@ namespace feib
     , faces(reference_mesh,
             parameters.child("face_quadrature"),
             parameters.boolean("boundary_faces"))
-    , node_masses(lumped_masses(reference_mesh, parameters.number("excess_density")))
+    , points(faces.points())
+    , node_masses(lumped_masses(parameters, reference_mesh))
   {
     set_points();
     this->velocities = initial_velocities(parameters, reference_mesh, !node_masses.empty());
@@ -127,8 +128,160 @@ namespace feib
         archive("state_" + state_names[v], values);
         std::copy(values.begin() + first, values.begin() + last, moment.state[v].begin());
       }
+    for (const auto &force : forces)
+      archive("force_" + force->name, *force);
     if (archive.reading())
       moment_has_changed();
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::set_forces(Forces new_forces)
+  {
+    forces = std::move(new_forces);
+    if (!forces.empty() && !points.are_nodes(reference_mesh.n_nodes()))
+      {
+        first_force_point = points.size();
+        for (unsigned int i = 0; i < reference_mesh.n_nodes(); ++i)
+          for (unsigned int k = 0; k < points.nodes_per_point; ++k)
+            {
+              points.node.push_back(i);
+              points.weight.push_back(k == 0 ? 1. : 0.);
+            }
+      }
+    moment_has_changed();
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<std::string>
+  ElasticStructure<structure_dim, dim>::force_names() const
+  {
+    std::vector<std::string> names;
+    for (const auto &force : forces)
+      names.push_back(force->name);
+    return names;
+  }
+
+
+  template <int structure_dim, int dim>
+  bool
+  ElasticStructure<structure_dim, dim>::any_force(bool (StructureForce<dim>::*property)()
+                                                    const) const
+  {
+    for (const auto &force : forces)
+      if ((*force.*property)())
+        return true;
+    return false;
+  }
+
+
+  template <int structure_dim, int dim>
+  template <typename Action>
+  void
+  ElasticStructure<structure_dim, dim>::for_each_force(const char *what, const Action &action) const
+  {
+    for (const auto &force : forces)
+      agree(
+        reference_mesh.communicator(),
+        [&] { action(*force); },
+        "the force \"" + force->name + "\" of structure \"" + structure_name + "\" fails in its " +
+          what);
+  }
+
+
+  template <int structure_dim, int dim>
+  template <typename Action>
+  void
+  ElasticStructure<structure_dim, dim>::add_forces(const char *what,
+                                                   const Action &action,
+                                                   NodalField<dim> &load) const
+  {
+    if (forces.empty())
+      return;
+    NodalField<dim> at_nodes(reference_mesh);
+    for_each_force(what, [&](const StructureForce<dim> &force) {
+      action(force, at_nodes);
+      for (const auto &value : at_nodes)
+        if (!std::isfinite(value.norm_square()))
+          throw RunFailure("it is not finite");
+    });
+    NodalField<dim> sum(points);
+    std::copy(load.begin(), load.end(), sum.begin());
+    for (unsigned int i = 0; i < at_nodes.size(); ++i)
+      sum[first_force_point + i] += at_nodes[i];
+    load = std::move(sum);
+  }
+
+
+  template <int structure_dim, int dim>
+  template <typename Action>
+  void
+  ElasticStructure<structure_dim, dim>::add_entries(const char *what,
+                                                    const Action &action,
+                                                    MatrixEntries &entries) const
+  {
+    const std::size_t n_before = entries.size();
+    for_each_force(what, [&](const StructureForce<dim> &force) { action(force, entries); });
+    for (std::size_t i = n_before; i < entries.size(); ++i)
+      entries[i].row += std::uint64_t(first_force_point) * dim;
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<double>
+  ElasticStructure<structure_dim, dim>::force_energies(const Positions<dim> &X) const
+  {
+    std::vector<double> energies;
+    for_each_force("energy", [&](const StructureForce<dim> &force) {
+      energies.push_back(force.energy(X));
+      if (!std::isfinite(energies.back()))
+        throw RunFailure("it is not finite");
+    });
+    return energies;
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<NodalField<dim>>
+  ElasticStructure<structure_dim, dim>::force_loads(const Positions<dim> &X,
+                                                    const Positions<dim> &geometry,
+                                                    const NodalField<dim> &U) const
+  {
+    std::vector<NodalField<dim>> loads;
+    for_each_force("load", [&](const StructureForce<dim> &force) {
+      loads.emplace_back(reference_mesh);
+      force.load(X, loads.back());
+      if (force.viscous())
+        force.viscous_load(geometry, U, loads.back());
+      if (force.external())
+        force.external_load(geometry, loads.back());
+    });
+    return loads;
+  }
+
+
+  template <int structure_dim, int dim>
+  bool
+  ElasticStructure<structure_dim, dim>::external() const
+  {
+    return any_force(&StructureForce<dim>::external);
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::external_load(const Positions<dim> &X,
+                                                      NodalField<dim> &load) const
+  {
+    load = NodalField<dim>(points);
+    add_forces(
+      "external load",
+      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) {
+        force.external_load(X, at_nodes);
+      },
+      load);
   }
 
 
@@ -137,7 +290,9 @@ namespace feib
   ElasticStructure<structure_dim, dim>::moment_has_changed()
   {
     law->set_moment(moment);
-    if (!law->time_dependent() && state_names.empty())
+    for (const auto &force : forces)
+      force->set_moment(moment.time, moment.elapsed);
+    if (!law->time_dependent() && state_names.empty() && forces.empty())
       return;
     last_energy.forget();
     last_stiffness.forget();
@@ -158,6 +313,7 @@ namespace feib
   void
   ElasticStructure<structure_dim, dim>::update_state(const Positions<dim> &X)
   {
+    for_each_force("state", [&](StructureForce<dim> &force) { force.update_state(X); });
     if (state_names.empty())
       return;
     const std::vector<Matrix> F = deformation_gradients(X);
@@ -211,7 +367,7 @@ namespace feib
   const LagrangianPoints &
   ElasticStructure<structure_dim, dim>::load_points() const
   {
-    return faces.points();
+    return points;
   }
 
 
@@ -219,6 +375,9 @@ namespace feib
   bool
   ElasticStructure<structure_dim, dim>::linear() const
   {
+    for (const auto &force : forces)
+      if (!force->linear())
+        return false;
     return law->linear();
   }
 
@@ -349,6 +508,10 @@ namespace feib
     evaluate(
       "stress", [&] { law->stress(F, P); }, P);
     faces.load(P, load);
+    add_forces(
+      "load",
+      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) { force.load(X, at_nodes); },
+      load);
   }
 
 
@@ -363,6 +526,12 @@ namespace feib
     evaluate(
       "derivative of the stress", [&] { law->stress_derivative(F, dF, dP); }, dP);
     faces.load(dP, dload);
+    add_forces(
+      "derivative of the load",
+      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) {
+        force.load_derivative(X, dX, at_nodes);
+      },
+      dload);
   }
 
 
@@ -387,7 +556,10 @@ namespace feib
       double sum                  = 0;
       for (unsigned int e = first; e < last; ++e)
         sum += W[e - first] * reference_mesh.elements()[e].measure;
-      return dealii::Utilities::MPI::sum(sum, reference_mesh.communicator());
+      sum = dealii::Utilities::MPI::sum(sum, reference_mesh.communicator());
+      for (const double force_energy : force_energies(X))
+        sum += force_energy;
+      return sum;
     });
   }
 
@@ -436,7 +608,14 @@ namespace feib
   MatrixEntries
   ElasticStructure<structure_dim, dim>::tangent(const Positions<dim> &X) const
   {
-    return faces.tangent(tangent_columns(deformation_gradients(X)));
+    MatrixEntries entries = faces.tangent(tangent_columns(deformation_gradients(X)));
+    add_entries(
+      "tangent",
+      [&](const StructureForce<dim> &force, MatrixEntries &of_nodes) {
+        force.tangent(X, of_nodes);
+      },
+      entries);
+    return entries;
   }
 
 
@@ -444,7 +623,7 @@ namespace feib
   bool
   ElasticStructure<structure_dim, dim>::viscous() const
   {
-    return law->viscous();
+    return law->viscous() || any_force(&StructureForce<dim>::viscous);
   }
 
 
@@ -454,11 +633,21 @@ namespace feib
                                                      const NodalField<dim> &U,
                                                      NodalField<dim> &load) const
   {
-    std::vector<Matrix> P;
-    const std::vector<Matrix> F = deformation_gradients(X), rate = gradients(U);
-    evaluate(
-      "viscous stress", [&] { law->viscous_stress(F, rate, P); }, P);
-    faces.load(P, load);
+    load = NodalField<dim>(points);
+    if (law->viscous())
+      {
+        std::vector<Matrix> P;
+        const std::vector<Matrix> F = deformation_gradients(X), rate = gradients(U);
+        evaluate(
+          "viscous stress", [&] { law->viscous_stress(F, rate, P); }, P);
+        faces.load(P, load);
+      }
+    add_forces(
+      "viscous load",
+      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) {
+        force.viscous_load(X, U, at_nodes);
+      },
+      load);
   }
 
 
@@ -466,11 +655,22 @@ namespace feib
   MatrixEntries
   ElasticStructure<structure_dim, dim>::viscous_tangent(const Positions<dim> &X) const
   {
-    const std::vector<Matrix> F = deformation_gradients(X);
-    return faces.tangent(
-      columns("viscous stress", [&](const std::vector<Matrix> &rate, std::vector<Matrix> &P) {
-        law->viscous_stress(F, rate, P);
-      }));
+    MatrixEntries entries;
+    if (law->viscous())
+      {
+        const std::vector<Matrix> F = deformation_gradients(X);
+        entries                     = faces.tangent(
+          columns("viscous stress", [&](const std::vector<Matrix> &rate, std::vector<Matrix> &P) {
+            law->viscous_stress(F, rate, P);
+          }));
+      }
+    add_entries(
+      "viscous tangent",
+      [&](const StructureForce<dim> &force, MatrixEntries &of_nodes) {
+        force.viscous_tangent(X, of_nodes);
+      },
+      entries);
+    return entries;
   }
 
 
@@ -482,8 +682,16 @@ namespace feib
       const std::vector<Matrix> F = deformation_gradients(X);
       const Stiffness local       = largest_stiffness<structure_dim, dim>(F, tangent_columns(F));
       const MPI_Comm communicator = reference_mesh.communicator();
+      typename StructureForce<dim>::Stiffness of_forces;
+      for (const auto &force : forces)
+        {
+          const auto added = force->stiffness(X);
+          of_forces.nodal += added.nodal;
+          of_forces.bending += added.bending;
+        }
       return {dealii::Utilities::MPI::max(local.reference, communicator),
-              dealii::Utilities::MPI::max(local.spatial, communicator)};
+              dealii::Utilities::MPI::max(local.spatial, communicator),
+              of_forces};
     });
   }
 

@@ -93,20 +93,6 @@ namespace feib
   } // namespace
 
 
-  std::string
-  structure_name(const Parameters &parameters)
-  {
-    const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    std::string name          = parameters.string("name");
-    if (name.empty() || name.find_first_not_of(letters) != std::string::npos)
-      parameters.fail(
-        "name",
-        "must be made of letters, digits and _, as columns of the ledger carry it; found \"" +
-          name + "\"");
-    return name;
-  }
-
-
   template <int dim>
   LagrangianMesh<dim>
   make_structure_mesh(const Parameters &parameters,
@@ -132,10 +118,9 @@ namespace feib
     if (!parameters.has("initial_velocity"))
       return V;
     if (!heavy)
-      parameters.fail(
-        "initial_velocity",
-        "needs an excess_density greater than 0: without one the structure moves with "
-        "the fluid, whose initial_velocity it has");
+      parameters.fail("initial_velocity",
+                      "needs an excess_density: without one the structure moves with "
+                      "the fluid, whose initial_velocity it has");
     const auto V0 =
       parse_expressions<dim>(parameters, "initial_velocity", dim, Variables::reference);
     for (unsigned int i = 0; i < V.size(); ++i)
@@ -149,16 +134,28 @@ namespace feib
 
   template <int dim>
   std::vector<double>
-  lumped_masses(const LagrangianMesh<dim> &mesh, const double excess_density)
+  lumped_masses(const Parameters &parameters, const LagrangianMesh<dim> &mesh)
   {
-    if (!(excess_density > 0))
-      return {};
+    const auto density =
+      parse_expressions<dim>(parameters, "excess_density", 1, Variables::reference);
     const unsigned int m = mesh.structure_dim();
     std::vector<double> masses(mesh.n_nodes(), 0.);
+    bool heavy = false;
     for (const auto &element : mesh.elements())
-      for (unsigned int k = 0; k <= m; ++k)
-        masses[element.nodes[k]] += excess_density * element.measure / (m + 1);
-    return masses;
+      {
+        const double value = density->value(element.centroid);
+        heavy              = heavy || value != 0;
+        if (value < 0 && m < dim)
+          parameters.fail(
+            "excess_density",
+            "is " + readable(value) + " at the reference place " + text(element.centroid) +
+              "; a curve or surface displaces no fluid, so it must not be less than 0");
+        for (unsigned int k = 0; k <= m; ++k)
+          masses[element.nodes[k]] += value * element.measure / (m + 1);
+      }
+    if (const Issues issues = density->not_finite(MPI_COMM_SELF); !issues.empty())
+      throw Error(issues);
+    return heavy ? masses : std::vector<double>();
   }
 
 
@@ -166,6 +163,6 @@ namespace feib
   template LagrangianMesh<3> make_structure_mesh(const Parameters &, unsigned int, Positions<3> &);
   template NodalField<2> initial_velocities(const Parameters &, const LagrangianMesh<2> &, bool);
   template NodalField<3> initial_velocities(const Parameters &, const LagrangianMesh<3> &, bool);
-  template std::vector<double> lumped_masses(const LagrangianMesh<2> &, double);
-  template std::vector<double> lumped_masses(const LagrangianMesh<3> &, double);
+  template std::vector<double> lumped_masses(const Parameters &, const LagrangianMesh<2> &);
+  template std::vector<double> lumped_masses(const Parameters &, const LagrangianMesh<3> &);
 } // namespace feib

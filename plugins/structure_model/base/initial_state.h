@@ -8,9 +8,6 @@
 // What the block of a structure says of its mesh and its state at the start. All throw Error.
 namespace feib
 {
-  /// The name, of letters that a column of the ledger may have.
-  std::string structure_name(const Parameters &parameters);
-
   /// The mesh with its materials, oriented at the @p positions, which are set to those at the
   /// start.
   template <int dim>
@@ -24,9 +21,9 @@ namespace feib
   NodalField<dim>
   initial_velocities(const Parameters &parameters, const LagrangianMesh<dim> &mesh, bool heavy);
 
-  /// An excess density lumped to the nodes; empty when it is 0.
+  /// The excess density lumped to the nodes; empty when it is 0.
   template <int dim>
-  std::vector<double> lumped_masses(const LagrangianMesh<dim> &mesh, double excess_density);
+  std::vector<double> lumped_masses(const Parameters &parameters, const LagrangianMesh<dim> &mesh);
 } // namespace feib
 
 #endif

@@ -113,7 +113,7 @@ namespace feib
     VelocityVector load = system.space.make_velocity();
     StructureLoad<dim> implicit_load(system, tau, geometry, choices.implicit_force);
     const std::vector<NodalField<dim>> none(geometry.size());
-    Solution solution{geometry, none, none, none};
+    Solution solution{geometry, geometry, none, none, none};
     for (unsigned int s = 0; s < geometry.size(); ++s)
       {
         const ImmersedStructure<dim> &structure = system.structures[s];
@@ -126,6 +126,11 @@ namespace feib
         structure.set_geometry(system.space, geometry[s]);
         if (!choices.implicit_force)
           structure.spreading().spread(system.space, solution.forces[s], load);
+        if (structure.model->external())
+          {
+            structure.model->external_load(geometry[s], solution.other_forces[s]);
+            structure.spreading().spread(system.space, solution.other_forces[s], load);
+          }
       }
     {
       const Timers::Section section(system.timers, "fluid");
@@ -146,9 +151,18 @@ namespace feib
         const NodalField<dim> &U                = solution.velocities[s];
         structure.motion->interpolate(system.space, system.space.velocity, solution.velocities[s]);
         if (choices.implicit_force)
-          solution.forces[s] = implicit_load.elastic_force(s, U);
+          {
+            solution.loaded[s] = implicit_load.moved_by(s, U);
+            solution.forces[s] = implicit_load.elastic_force(s, U);
+          }
         if (structure.model->viscous())
-          structure.model->viscous_load(geometry[s], U, solution.viscous_forces[s]);
+          {
+            NodalField<dim> viscous, &others = solution.other_forces[s];
+            structure.model->viscous_load(geometry[s], U, viscous);
+            for (unsigned int q = 0; q < others.size(); ++q)
+              viscous[q] += others[q];
+            others = std::move(viscous);
+          }
       }
     return solution;
   }
@@ -222,8 +236,9 @@ namespace feib
       {
         const typename StructureStep<dim>::Motion motion{solution.geometry[s],
                                                          solution.velocities[s],
+                                                         solution.loaded[s],
                                                          solution.forces[s],
-                                                         solution.viscous_forces[s]};
+                                                         solution.other_forces[s]};
         const auto exchange =
           StructureStep<dim>(space, system.structures[s], motion, time, dt, choices.midpoint)
             .take(energies[s]);

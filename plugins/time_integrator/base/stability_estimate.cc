@@ -16,8 +16,8 @@ namespace feib
     const LagrangianMesh<dim> &mesh = model.mesh();
     const unsigned int m            = mesh.structure_dim();
     const auto stiffness            = model.stiffness(X);
-    StructureScales result{0, stiffness.reference, stiffness.spatial, 0};
-    double reference_measure = 0, largest_J = 0;
+    StructureScales result{0, stiffness.reference, stiffness.spatial, 0, 0, 0};
+    double reference_measure = 0, largest_J = 0, smallest_J = std::numeric_limits<double>::max();
     for (const auto &element : mesh.elements())
       {
         double longest = 0;
@@ -35,12 +35,15 @@ namespace feib
         const double size   = std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m);
         result.longest_edge = std::max(result.longest_edge, longest);
         largest_J           = std::max(largest_J, size / element.measure);
+        smallest_J          = std::min(smallest_J, size / element.measure);
         reference_measure += element.measure;
       }
     double mass = 0;
     for (const double node_mass : model.excess_mass())
       mass += node_mass;
     result.excess_density = mass / (reference_measure * std::max(largest_J, 1e-12));
+    result.nodal          = stiffness.forces.nodal / std::max(smallest_J, 1e-12);
+    result.bending        = stiffness.forces.bending / std::max(smallest_J, 1e-12);
     return result;
   }
 
@@ -64,14 +67,13 @@ namespace feib
               const double h_x)
   {
     using dealii::numbers::PI;
-    const double C = body == Body::thick ? 1.9 : 1.3, T = 6;
-    const double k = C * PI / h_x;
+    const double C = body == Body::thick ? 1.9 : 1.3, T = 6, shortest = C * PI / h_x;
     // A surface in space has a third motion, along itself and along the crests of the wave: no
     // pressure acts on it and both sums count.
     const auto worst = [&](const double across, const double along) {
       return body == Body::surface ? across + along : std::max(across, along);
     };
-    const auto impedance = [&](const double tau) {
+    const auto impedance = [&](const double k, const double tau) {
       if (body == Body::thick)
         return rho / tau + mu * k * k;
       const double a2 = rho / (mu * tau), q = std::sqrt(k * k + a2), angle = std::atan(T * k / q);
@@ -81,16 +83,27 @@ namespace feib
       const double across = k * (d / q * angle + gap), along = d * angle - k * gap;
       return PI * mu * a2 / worst(across, along);
     };
-    const double inertia =
-      body == Body::thick ? rho : PI * rho / (k * worst(std::atan(T), T - std::atan(T)));
-    const auto stable = [&](const double dt) {
-      const double stiffness = scales.spatial_kappa * k * k;
+    const auto inertia = [&](const double k) {
+      return body == Body::thick ? rho : PI * rho / (k * worst(std::atan(T), T - std::atan(T)));
+    };
+    const auto resists = [&](const double k, const double dt) {
+      const double stiffness =
+        scales.spatial_kappa * k * k + scales.nodal + scales.bending * k * k * k * k;
       if (midpoint)
-        return stiffness * dt * dt < 4 * (inertia + scales.excess_density);
-      return stiffness * dt < 2 * (impedance(dt / 2) + scales.excess_density / (dt / 2));
+        return stiffness * dt * dt < 4 * (inertia(k) + scales.excess_density);
+      return stiffness * dt < 2 * (impedance(k, dt / 2) + scales.excess_density / (dt / 2));
+    };
+    // The stiffness of laws and of bending is worst at the shortest wave that the fluid carries;
+    // that of nodes is so at the one that moves least fluid.
+    const unsigned int n_waves = scales.nodal > 0 ? 12 : 0;
+    const auto stable          = [&](const double dt) {
+      bool result = resists(shortest, dt);
+      for (unsigned int i = 1; i <= n_waves; ++i)
+        result = result && resists(shortest * std::pow(.5, i), dt);
+      return result;
     };
     double lower = 1e-12, upper = 1e12;
-    if (!(scales.spatial_kappa > 0) || stable(upper))
+    if (!(scales.spatial_kappa > 0 || scales.nodal > 0 || scales.bending > 0) || stable(upper))
       return std::numeric_limits<double>::infinity();
     while (upper / lower > 1 + 1e-9)
       {

@@ -28,10 +28,8 @@ namespace feib
     : space(space)
     , structure(structure)
     , model(*structure.model)
-    , geometry(motion.geometry)
+    , motion(motion)
     , U(motion.U)
-    , force(motion.force)
-    , viscous_force(motion.viscous_force)
     , time(time)
     , dt(dt)
     , midpoint(midpoint)
@@ -51,14 +49,15 @@ namespace feib
 
 
   template <int dim>
-  void
-  StructureStep<dim>::add_forces(const NodalField<dim> &forces,
-                                 const Positions<dim> &x,
-                                 const NodalField<dim> &velocities)
+  typename StructureStep<dim>::Impulse
+  StructureStep<dim>::impulse(const NodalField<dim> &forces,
+                              const Positions<dim> &x,
+                              const NodalField<dim> &velocities)
   {
-    exchange.power += forces * velocities;
-    exchange.force += forces.sum([&](const unsigned int q) { return forces[q]; });
-    exchange.torque += forces.sum([&](const unsigned int q) {
+    Impulse result;
+    result.power  = forces * velocities;
+    result.force  = forces.sum([&](const unsigned int q) { return forces[q]; });
+    result.torque = forces.sum([&](const unsigned int q) {
       const dealii::Tensor<1, dim> &f = forces[q];
       dealii::Tensor<1, 3> torque;
       torque[2] = x[q][0] * f[1] - x[q][1] * f[0];
@@ -69,6 +68,20 @@ namespace feib
         }
       return torque;
     });
+    return result;
+  }
+
+
+  template <int dim>
+  void
+  StructureStep<dim>::add_forces(const NodalField<dim> &forces,
+                                 const Positions<dim> &x,
+                                 const NodalField<dim> &velocities)
+  {
+    const Impulse added = impulse(forces, x, velocities);
+    exchange.power += added.power;
+    exchange.force += added.force;
+    exchange.torque += added.torque;
   }
 
 
@@ -97,11 +110,13 @@ namespace feib
     NodalField<dim> velocity = U; // at the load points
     if (structure.loading)
       structure.loading->interpolate(space, space.velocity, velocity);
-    const Positions<dim> points = model.load_points().positions(geometry);
-    add_forces(force, points, velocity);
+    const Positions<dim> points = model.load_points().positions(motion.geometry);
+    add_forces(motion.force, points, velocity);
     const double elastic_power = exchange.power;
-    if (model.viscous())
-      add_forces(viscous_force, points, velocity);
+    if (!motion.other_force.empty())
+      add_forces(motion.other_force, points, velocity);
+    for (const NodalField<dim> &load : model.force_loads(motion.loaded, motion.geometry, U))
+      exchange.forces.push_back(impulse(load, motion.geometry, U));
 
     // Within the step the moment is that of the load and the energy is one: what it loses is work.
     const double before = model.energy(old);
@@ -137,7 +152,7 @@ namespace feib
     NodalField<dim> inertia = change;
     for (unsigned int i = 0; i < U.size(); ++i)
       inertia[i] *= -mass[i] / tau;
-    add_forces(inertia, geometry, U);
+    add_forces(inertia, motion.geometry, U);
     if (!midpoint)
       exchange.numerical -= tau / 2 * (inertia * change);
   }
@@ -149,7 +164,7 @@ namespace feib
   {
     // A is a polynomial of degree dim in the positions.
     const auto A = [&](const double factor) {
-      return model.measure(displaced(geometry, factor, U));
+      return model.measure(displaced(motion.geometry, factor, U));
     };
     return dim == 2 ? (A(dt) - A(-dt)) / 2 : (8 * (A(dt) - A(-dt)) - (A(2 * dt) - A(-2 * dt))) / 12;
   }

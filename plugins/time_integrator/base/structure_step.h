@@ -12,14 +12,16 @@ namespace feib
   {
   public:
     using Exchange = typename TimeIntegrator<dim>::Exchange;
+    using Impulse  = typename TimeIntegrator<dim>::Impulse;
 
     /// What the solution of the fluid means for the structure.
     struct Motion
     {
-      const Positions<dim> &geometry;       // where J is
-      const NodalField<dim> &U;             // velocities of the nodes, J u_s
-      const NodalField<dim> &force;         // elastic, that acts at the load points
-      const NodalField<dim> &viscous_force; // and viscous; empty without
+      const Positions<dim> &geometry;     // where J is
+      const NodalField<dim> &U;           // velocities of the nodes, J u_s
+      const Positions<dim> &loaded;       // where the load is taken
+      const NodalField<dim> &force;       // the load, that acts at the load points
+      const NodalField<dim> &other_force; // viscous and external; empty without
     };
 
     /// A step from @p time to time + dt. Arguments must outlive the object.
@@ -35,7 +37,12 @@ namespace feib
     Exchange take(double energy);
 
   private:
-    /// Adds forces on the fluid at points @p x, which move with the velocities.
+    /// What the fluid gets from forces at points @p x, which move with the velocities.
+    static Impulse impulse(const NodalField<dim> &forces,
+                           const Positions<dim> &x,
+                           const NodalField<dim> &velocities);
+
+    /// Adds that to what the fluid gets from the structure.
     void add_forces(const NodalField<dim> &forces,
                     const Positions<dim> &x,
                     const NodalField<dim> &velocities);
@@ -56,8 +63,8 @@ namespace feib
     const EulerianSpace<dim> &space;
     const ImmersedStructure<dim> &structure;
     StructureModel<dim> &model;
-    const Positions<dim> &geometry;
-    const NodalField<dim> &U, &force, &viscous_force;
+    const Motion motion;
+    const NodalField<dim> &U;
     const double time, dt;
     const bool midpoint;
     Exchange exchange;

@@ -27,6 +27,7 @@ namespace feib
     using Matrix    = typename Law::Matrix;
     using Mesh      = LagrangianMesh<dim>;
     using Stiffness = typename StructureModel<dim>::Stiffness;
+    using Forces    = std::vector<std::unique_ptr<StructureForce<dim>>>;
 
     /// The component makes the law, from the slot "law" of the same block. Throws Error where
     /// elements are inverted that must not be, and where a body is none.
@@ -37,6 +38,16 @@ namespace feib
     const Mesh &mesh() const override;
 
     void archive(Archive &archive) override;
+
+    void set_forces(Forces forces) override;
+
+    std::vector<std::string> force_names() const override;
+
+    std::vector<double> force_energies(const Positions<dim> &X) const override;
+
+    std::vector<NodalField<dim>> force_loads(const Positions<dim> &X,
+                                             const Positions<dim> &geometry,
+                                             const NodalField<dim> &U) const override;
 
     void set_moment(double time, double elapsed) override;
 
@@ -65,6 +76,10 @@ namespace feib
                       NodalField<dim> &load) const override;
 
     MatrixEntries viscous_tangent(const Positions<dim> &X) const override;
+
+    bool external() const override;
+
+    void external_load(const Positions<dim> &X, NodalField<dim> &load) const override;
 
     bool linear() const override;
 
@@ -124,8 +139,24 @@ namespace feib
     /// Values of this rank's elements as values of all. Collective.
     std::vector<double> all_elements(const std::vector<double> &local) const;
 
-    /// Forgets what depends on the moment, where the law does.
+    /// Forgets what depends on the moment, where the law or a force does.
     void moment_has_changed();
+
+    /// Whether any of the forces says so.
+    bool any_force(bool (StructureForce<dim>::*property)() const) const;
+
+    /// Calls action(force) for each force; what it throws on any rank is a RunFailure on all that
+    /// names the force. Collective.
+    template <typename Action>
+    void for_each_force(const char *what, const Action &action) const;
+
+    /// The loads that action(force, load at the nodes) adds, at the load points. Collective.
+    template <typename Action>
+    void add_forces(const char *what, const Action &action, NodalField<dim> &load) const;
+
+    /// Entries that action(force, entries) gives for nodes, with rows of load points. Collective.
+    template <typename Action>
+    void add_entries(const char *what, const Action &action, MatrixEntries &entries) const;
 
     /// The measure with its sign, and its first moment about X[0].
     const std::pair<double, dealii::Tensor<1, dim>> &measure_moments(const Positions<dim> &X) const;
@@ -138,7 +169,10 @@ namespace feib
     std::vector<std::string> state_names;
     typename Law::Moment moment; // of this rank's elements
     FaceLoads<structure_dim, dim> faces;
-    std::vector<double> node_masses; // lumped excess mass; empty: none
+    LagrangianPoints points;            // the load points
+    unsigned int first_force_point = 0; // where the nodes begin among them, when there are forces
+    std::vector<double> node_masses;    // lumped excess mass; empty: none
+    Forces forces;
 
     /// A function of positions that is not computed twice for the same ones: schemes, accounts and
     /// step control ask for the same energies, stiffnesses and measures.

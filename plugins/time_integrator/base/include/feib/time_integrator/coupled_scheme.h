@@ -10,12 +10,13 @@ namespace feib
   /// The schemes of Feib are one step with three choices. With tau = dt for the Euler schemes and
   /// dt/2 for the midpoint schemes, the fluid makes a backward Euler step of length tau to u_s
   /// under the load
-  ///   J^T [ F(Y) + F_v(X_g, J u_s) - M/tau (J u_s - V^n) ],
+  ///   J^T [ F(Y) + F_v(X_g, J u_s) + F_e(X_g) - M/tau (J u_s - V^n) ],
   /// J taken at the geometry X_g; the structures move by X^{n+1} = X^n + dt J u_s. F is that of the
   /// time of Y; the state of laws is held, and moves on at the end. Midpoint schemes
   /// extrapolate to the end of the step, u^{n+1} = 2 u_s - u^n, V^{n+1} = 2 J u_s - V^n: with tau =
   /// dt/2 this is the midpoint rule (Crank-Nicolson) for the fluid. M is the excess mass, F_v the
-  /// viscous load of laws that have one, linear in J u_s: implicit in every scheme.
+  /// viscous load of laws and forces that have one, linear in J u_s: implicit in every scheme. F_e
+  /// is the load of forces that come from no energy.
   ///
   /// | scheme          | X_g                     | Y                    |
   /// |-----------------|-------------------------|----------------------|
@@ -62,9 +63,10 @@ namespace feib
     struct Solution
     {
       Configuration geometry;
-      std::vector<NodalField<dim>> velocities;     // of their nodes, J u_s
-      std::vector<NodalField<dim>> forces;         // elastic, that acted at their load points
-      std::vector<NodalField<dim>> viscous_forces; // and viscous; empty without
+      Configuration loaded;                      // Y
+      std::vector<NodalField<dim>> velocities;   // of their nodes, J u_s
+      std::vector<NodalField<dim>> forces;       // F(Y), that acted at their load points
+      std::vector<NodalField<dim>> other_forces; // viscous and external; empty without
     };
 
     /// X^n + dt/2 J(X^n) u^n, or X^n.

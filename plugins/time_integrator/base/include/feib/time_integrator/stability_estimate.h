@@ -13,6 +13,8 @@ namespace feib
     double kappa;          // largest eigenvalue of d2W/dF2
     double spatial_kappa;  // the same per present measure and length
     double excess_density; // excess mass per present measure
+    double nodal   = 0;    // of forces, see StructureForce::Stiffness, per present measure
+    double bending = 0;
   };
 
   /// Collective.
@@ -31,11 +33,11 @@ namespace feib
 
   /// The largest stable step of a scheme that takes the elastic force explicitly.
   ///
-  /// Linear analysis, for displacements of wave number k of a flat structure in a resting fluid. In
-  /// terms of the impedance Z(k, tau), the force per measure that gives the structure unit velocity
-  /// in one backward Euler step tau of the fluid,
-  ///   fe_be:     stable while kappa k^2 dt < 2 Z(k, dt/2),
-  ///   midpoint:  stable while kappa k^2 dt < 4 Z(k, dt) with the inertial part of Z alone (mu =
+  /// Linear analysis, for displacements of wave number k of a flat structure in a resting fluid,
+  /// with K = kappa k^2 + nodal + bending k^4. In terms of the impedance Z(k, tau), the force per
+  /// measure that gives the structure unit velocity in one backward Euler step tau of the fluid,
+  ///   fe_be:     stable while K dt < 2 Z(k, dt/2),
+  ///   midpoint:  stable while K dt < 4 Z(k, dt) with the inertial part of Z alone (mu =
   ///   0).
   /// A thick body moves all fluid it occupies, Z = rho/tau + mu k^2. A curve or surface moves the
   /// fluid beside it, a Fourier sum over wave numbers l normal to it, with a^2 = rho/(mu tau):

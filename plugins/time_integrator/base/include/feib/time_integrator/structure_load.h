@@ -40,6 +40,9 @@ namespace feib
     /// last is not computed again.
     NodalField<dim> elastic_force(unsigned int s, const NodalField<dim> &U) const;
 
+    /// X^n + tau U of structure @p s.
+    Positions<dim> moved_by(unsigned int s, const NodalField<dim> &U) const;
+
   private:
     using Inertia = InertialLoad<dim>;
 
@@ -50,8 +53,6 @@ namespace feib
     const double tau;
     const std::vector<Positions<dim>> &geometry;
     const bool elastic;
-    Positions<dim> moved_by(unsigned int s, const NodalField<dim> &U) const;
-
     std::vector<Positions<dim>> moved;   // where F was evaluated last
     std::vector<NodalField<dim>> forces; // F there
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#ifndef feib_source_text_file_h
-#define feib_source_text_file_h
+#ifndef feib_text_file_h
+#define feib_text_file_h
 
 #include <mpi.h>
 

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/expression.h>
+#include <feib/plugin.h>
+#include <feib/registry.h>
+#include <feib/structure_force/stencil_force.h>
+
+#include "bending_schema.h"
+
+#include <memory>
+#include <vector>
+
+namespace feib
+{
+  /// Resistance to bending, by discrete curvatures 2 tan(theta/2) of the angle theta between two
+  /// elements (Bergou et al., ACM Trans. Graph. 27 (2008) 63). All measures are those of reference.
+  ///
+  /// Curves: E = sum over inner nodes of B/2 (2 tan(theta/2) / l - curvature)^2 l, l half the
+  /// lengths of both elements. Converges to B/2 int (theta' - curvature)^2 ds.
+  ///
+  /// Surfaces: E = sum over inner edges of B/2 w (2 tan(theta/2) - d curvature)^2, w = |e|^2/A, A
+  /// the area of both triangles and d = 2/3 A/|e| the distance of their centroids across the edge
+  /// (Grinspun et al., Proc. Symp. Comput. Anim. (2003) 62, whose weight is 6 w / B).
+  template <int dim>
+  class Bending : public StencilForce<Bending<dim>, dim + 1, dim>
+  {
+  public:
+    using Body      = typename StructureForce<dim>::Body;
+    using Stiffness = typename StructureForce<dim>::Stiffness;
+
+    template <typename Number>
+    using Vector = std::array<Number, dim>;
+
+    explicit Bending(const Parameters &parameters)
+      : parameters(parameters)
+      , rigidity(parameters.number("rigidity"))
+    {}
+
+    void
+    attach(const Body &body) override
+    {
+      if (body.mesh.structure_dim() == dim)
+        parameters.fail("",
+                        "acts on curves and surfaces; this structure is a body, whose law resists "
+                        "bending");
+      const auto curvature =
+        parse_expressions<dim>(parameters, "curvature", 1, Variables::reference);
+      this->communicator = body.mesh.communicator();
+      for (const auto &face : body.mesh.faces())
+        if (!face.at_boundary())
+          add_stencil(body.mesh, face, *curvature);
+      if (const Issues issues = curvature->not_finite(MPI_COMM_SELF); !issues.empty())
+        throw Error(issues);
+      if (parameters.boolean("initial_shape"))
+        for (unsigned int s = 0; s < this->stencils.size(); ++s)
+          {
+            std::array<Vector<Lanes>, dim + 1> X;
+            for (unsigned int k = 0; k <= dim; ++k)
+              for (unsigned int a = 0; a < dim; ++a)
+                X[k][a] = body.positions[this->stencils[s][k]][a];
+            rest[s] += angle(X)[0];
+          }
+    }
+
+    template <typename Number>
+    Number
+    stencil_energy(const std::array<Vector<Number>, dim + 1> &X, const PointBatch &batch) const
+    {
+      const Number bent = angle(X) - batch(rest);
+      return bent * bent * batch(weights);
+    }
+
+    Stiffness
+    stiffness(const Positions<dim> &) const override
+    {
+      return {0., rigidity};
+    }
+
+  private:
+    void
+    add_stencil(const LagrangianMesh<dim> &mesh,
+                const typename LagrangianMesh<dim>::Face &face,
+                const dealii::Function<dim> &curvature)
+    {
+      const auto &first    = mesh.elements()[face.elements[0]],
+                 &second   = mesh.elements()[face.elements[1]];
+      const unsigned int k = face.opposite[0], l = face.opposite[1];
+      if constexpr (dim == 2)
+        {
+          // The nodes in the direction of the curve.
+          const bool forward = k == 0;
+          const auto &before = forward ? first : second, &after = forward ? second : first;
+          const double length = (first.measure + second.measure) / 2;
+          this->stencils.push_back({before.nodes[0], before.nodes[1], after.nodes[1]});
+          weights.push_back(rigidity / 2 / length);
+          rest.push_back(length * curvature.value(mesh.nodes()[before.nodes[1]]));
+        }
+      else
+        {
+          const double edge = 2 * first.measure * first.shape_gradients[k].norm(),
+                       area = first.measure + second.measure;
+          this->stencils.push_back(
+            {first.nodes[(k + 1) % 3], first.nodes[(k + 2) % 3], first.nodes[k], second.nodes[l]});
+          weights.push_back(rigidity / 2 * edge * edge / area);
+          rest.push_back(2. / 3 * area / edge * curvature.value(first.centroid));
+        }
+    }
+
+    template <typename Number>
+    static Vector<Number>
+    difference(const Vector<Number> &a, const Vector<Number> &b)
+    {
+      Vector<Number> result;
+      for (unsigned int i = 0; i < dim; ++i)
+        result[i] = a[i] - b[i];
+      return result;
+    }
+
+    template <typename Number>
+    static Number
+    dot(const Vector<Number> &a, const Vector<Number> &b)
+    {
+      Number sum = a[0] * b[0];
+      for (unsigned int i = 1; i < dim; ++i)
+        sum += a[i] * b[i];
+      return sum;
+    }
+
+    template <typename Number>
+    static Vector<Number>
+    cross(const Vector<Number> &a, const Vector<Number> &b)
+    {
+      return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    }
+
+    /// 2 tan(theta/2) of the angle between two vectors, given the sine times their lengths.
+    template <typename Number>
+    static Number
+    twice_tangent(const Number &sine, const Vector<Number> &a, const Vector<Number> &b)
+    {
+      return Lanes(2.) * sine / (sqrt(dot(a, a) * dot(b, b)) + dot(a, b));
+    }
+
+    template <typename Number>
+    static Number
+    angle(const std::array<Vector<Number>, dim + 1> &X)
+    {
+      if constexpr (dim == 2)
+        {
+          const Vector<Number> a = difference(X[1], X[0]), b = difference(X[2], X[1]);
+          return twice_tangent<Number>(a[0] * b[1] - a[1] * b[0], a, b);
+        }
+      else
+        {
+          const Vector<Number> edge = difference(X[1], X[0]);
+          const Vector<Number> a    = cross(edge, difference(X[2], X[0])),
+                               b    = cross(difference(X[3], X[0]), edge);
+          return twice_tangent<Number>(dot(cross(a, b), edge) / sqrt(dot(edge, edge)), a, b);
+        }
+    }
+
+    const Parameters parameters;
+    const double rigidity;
+    std::vector<double> weights, rest; // of stencils
+  };
+} // namespace feib
+
+FEIB_PLUGIN("bending", "1.0", registry)
+{
+  registry.add<feib::StructureForce, feib::Bending>("bending", bending_schema);
+}

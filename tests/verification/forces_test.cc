@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Forces on structures: energies and momenta close under every scheme, bodies are held, moved,
+// bent and pulled as theory says.
+#include "support/run_case.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace feib::testing;
+
+namespace
+{
+  const std::vector<std::string> schemes = {"fe_be",
+                                            "be_be",
+                                            "lagged_be",
+                                            "midpoint",
+                                            "lagged_midpoint"};
+
+  CaseRun
+  run(const std::string &text, const std::string &settings = "")
+  {
+    const TemporaryFolder folder;
+    const CaseRun result = run_case(folder.write("case.json", text), settings);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return result;
+  }
+
+  std::string
+  scheme_setting(const std::string &scheme)
+  {
+    return "--set " + shell_quoted("/time/integrator={\"" + scheme + "\":{}}");
+  }
+
+  /// A heavy disc in a box.
+  std::string
+  disc(const std::string &forces, const std::string &more = "")
+  {
+    return R"j({ "dimension": 2, "domain": { "cells": [8, 8], "periodic": ["x", "y"] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1 } },
+      "structures": [ { "hyperelastic": { "name": "body",
+        "mesh": { "disc": { "centre": [0.5, 0.5], "radius": 0.2, "rings": 6 } },
+        "law": { "neo_hookean": { "shear_modulus": 2, "stress_free": true } },
+        "forces": )j" +
+           forces + more + R"j( } } ],
+      "time": { "step": 0.005, "end": 0.1 },
+      "output": [ { "ledger_csv": {} } ] })j";
+  }
+
+  const std::string heavy = R"(, "excess_density": 1)";
+} // namespace
+
+
+/// Of springs that move, dampers, weight, dead and follower loads.
+TEST(Forces, EnergiesCloseUnderEveryScheme)
+{
+  struct Example
+  {
+    std::string forces, more;
+  };
+  for (
+    const Example &example :
+    {Example{R"j([{"tether": {"stiffness": 200, "damping": 1, "on": {"where": "s1 < 0.5"},
+                     "target": ["s1 + 0.1*sin(20*t)", "s2 - 0.05*t"],
+                     "target_velocity": ["2*cos(20*t)", -0.05]}}])j",
+             heavy},
+     Example{R"j([{"gravity": {"acceleration": ["sin(30*t)", -3]}}])j", heavy},
+     Example{R"j([{"traction": {"force": ["5*t", 1], "on": {"boundary": true}}}])j", ""},
+     Example{
+       R"j([{"traction": {"pressure": "2 + 10*t", "on": {"boundary": true, "where": "s1 > 0.5"}}},
+                     {"tether": {"stiffness": 50}}])j",
+       ""},
+     Example{R"j([{"gravity": {"acceleration": [0, -3]}}])j",
+             heavy + R"(, "face_quadrature": {"gauss": {}})"}})
+    for (const std::string &scheme : schemes)
+      {
+        SCOPED_TRACE(scheme + ", " + example.forces);
+        const CaseRun result = run(disc(example.forces, example.more), scheme_setting(scheme));
+        double scale         = 0;
+        for (const char *column : {"kinetic", "dissipated", "inelastic", "potential"})
+          scale = std::max(scale, std::abs(result.ledger.at(column).back()));
+        EXPECT_GT(scale, 1e-6);
+        for (const double closure : result.ledger.at("closure"))
+          EXPECT_LT(std::abs(closure), 1e-7 * scale);
+        EXPECT_LT(std::abs(result.ledger.at("unexplained").back()), 1e-3 * scale);
+        EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+      }
+}
+
+
+/// With no walls, what forces give is the momentum: the weight times t.
+TEST(Forces, WeightIsTheMomentumOfAPeriodicBox)
+{
+  const std::string gravity = R"j([{"gravity": {"acceleration": [0.5, -3]}}])j";
+  for (const auto &[density, sign] :
+       std::map<std::string, double>{{"1", 1.}, {"0", 0.}, {"-0.5", -1.}})
+    {
+      SCOPED_TRACE(density);
+      const CaseRun result = run(disc(gravity, ", \"excess_density\": " + density));
+      const double t       = result.ledger.at("time").back();
+      const double measure = result.ledger.at("measure_body")[0];
+      const double mass    = std::stod(density) * measure;
+      EXPECT_NEAR(result.ledger.at("momentum_x").back(),
+                  .5 * mass * t,
+                  1e-6 * std::abs(mass) + 1e-20);
+      EXPECT_NEAR(result.ledger.at("momentum_y").back(),
+                  -3 * mass * t,
+                  1e-6 * std::abs(mass) + 1e-20);
+      const double fallen =
+        result.ledger.at("centroid_y_body")[0] - result.ledger.at("centroid_y_body").back();
+      if (sign == 0)
+        {
+          EXPECT_LT(result.ledger.at("largest_velocity").back(), 1e-12);
+        }
+      else
+        EXPECT_GT(sign * fallen, 1e-4);
+      EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+    }
+}
+
+
+/// A disc in a stream, on springs so stiff that an explicit scheme would need steps a hundred times
+/// smaller: the force does not depend on them, and the disc stays where it is.
+TEST(Forces, StiffSpringsHoldABodyInAStream)
+{
+  const std::string stream = R"j({ "dimension": 2, "constants": {"dt": 0.02},
+      "domain": { "cells": [32, 32], "boundary": { "x_min": {"velocity": {"value": ["min(1,2*t)", 0]}},
+        "x_max": {"outflow": {}}, "y_min": {"free_slip": {}}, "y_max": {"free_slip": {}} } },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1 } },
+      "structures": [ { "hyperelastic": { "name": "body",
+        "mesh": { "disc": { "centre": [0.4, 0.5], "radius": 0.1, "rings": 3 } },
+        "law": { "neo_hookean": { "shear_modulus": 10, "stress_free": true } },
+        "forces": [ { "tether": { "stiffness": 1, "damping": 1 } } ] } } ],
+      "time": { "step": 0.02, "end": 1.6 },
+      "output": [ { "ledger_csv": {} } ] })j";
+  for (const std::string scheme : {"lagged_be", "lagged_midpoint"})
+    {
+      SCOPED_TRACE(scheme);
+      std::vector<double> drag, displacement;
+      for (const double stiffness : {1e4, 4e4, 1.6e5, 2e6})
+        {
+          const std::string tether = "/structures/0/hyperelastic/forces/0/tether/";
+          const CaseRun result     = run(stream,
+                                     scheme_setting(scheme) + " --set " + tether +
+                                       "stiffness=" + std::to_string(stiffness) + " --set " +
+                                       tether + "damping=" + std::to_string(.01 * stiffness));
+          EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+          drag.push_back(-result.ledger.at("force_x_body_tether").back());
+          displacement.push_back(result.ledger.at("centroid_x_body").back() - .4);
+          // Nothing else than the springs acts on the fluid.
+          EXPECT_NEAR(result.ledger.at("force_x_body").back(), -drag.back(), 1e-6 * drag.back());
+        }
+      EXPECT_NEAR(drag.back(), 1.54, .02);
+      for (unsigned int i = 0; i + 1 < drag.size(); ++i)
+        EXPECT_LT(std::abs(displacement[i + 1]), .5 * std::abs(displacement[i]));
+      EXPECT_LT(std::abs(drag[2] - drag[3]), .5 * std::abs(drag[0] - drag[3]));
+      EXPECT_LT(std::abs(drag[2] - drag[3]), 2e-3 * drag[3]);
+      EXPECT_LT(std::abs(displacement[3]), 1e-4);
+    }
+}
+
+
+/// Prescribed motion: nodes are where their targets are, to the tolerance of the springs.
+TEST(Forces, TargetsMoveABody)
+{
+  const CaseRun result =
+    run(disc(R"j([{"tether": {"stiffness": 1e6, "target": ["s1 + 0.1*t", "s2"]}}])j"),
+        "--set " + shell_quoted(R"(/time/integrator={"lagged_be": {}})"));
+  EXPECT_NEAR(result.ledger.at("centroid_x_body").back(), .51, 2e-5);
+  EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+}
+
+
+/// A beam in a resting fluid, clamped at its left end, under a load at its right end: the
+/// deflection F L^3/(3 B).
+TEST(Forces, CantileverOfACurve)
+{
+  const auto deflection = [](const unsigned int n_elements) {
+    const std::string n    = std::to_string(n_elements);
+    const std::string text = R"j({ "dimension": 2, "domain": { "cells": [16, 16] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 1, "convection": "none",
+                                    "tolerance": 1e-5 } },
+      "structures": [ { "membrane": { "name": "beam",
+        "mesh": { "open_curve": { "length": 0.6, "elements": )j" +
+                             n + R"j( } },
+        "initial_position": ["0.2 + s1", "0.5"],
+        "law": { "saint_venant_kirchhoff": { "mu": 20 } },
+        "forces": [
+          { "bending": { "rigidity": 0.02 } },
+          { "tether": { "stiffness": 1e7, "on": { "where": "s1 < 0.6*1.5/)j" +
+                             n + R"j(" } } },
+          { "traction": { "force": [0, -0.002], "on": { "boundary": true, "where": "s1 > 0.3" } } } ] } } ],
+      "coupling": { "variational": {} },
+      "time": { "step": 20, "end": 600, "integrator": {"lagged_be": {}} },
+      "output": [ { "ledger_csv": {} } ] })j";
+    const CaseRun result = run(text);
+    // Held at two nodes, it is clamped half way between them: the angle at the second is free.
+    const double length = .6 * (1 - .5 / n_elements);
+    return (.5 - result.ledger.at("lower_y_beam").back()) /
+           (.002 * std::pow(length, 3) / (3 * .02));
+  };
+  EXPECT_NEAR(deflection(12), 1, .005);
+  EXPECT_NEAR(deflection(24), 1, .002);
+}
