@@ -240,8 +240,32 @@ TEST(Verdict, GrowthOfAStructureAddsUp)
                "/time/energy_growth=10 --set /time/step=" +
                  step);
   };
+  const std::string gauss =
+    " --set '/structures/0/hyperelastic/face_quadrature={\"gauss\": {\"points\": 2}}'";
   EXPECT_TRUE(grown("0.0088").warned("structure_growth"));
   EXPECT_FALSE(grown("0.0001").warned("structure_growth"));
+  EXPECT_TRUE(grown("0.0088" + gauss).warned("structure_growth"));
+}
+
+// The load at Gauss points works on another velocity than the nodes move with.
+TEST(Verdict, EnergyFromAQuadratureIsNotTheSchemes)
+{
+  const auto ended = [](const std::string &coupling, const std::string &more) {
+    return run(disc,
+               disc_with("{}") +
+                 "--set '/structures/0/hyperelastic/law={\"kelvin_voigt\": {\"viscosity\": 1, "
+                 "\"law\": {\"neo_hookean\": {\"shear_modulus\": 1}}}}' --set "
+                 "'/structures/0/hyperelastic/face_quadrature={\"gauss\": {\"points\": 2}}' --set "
+                 "/time/step=0.002 --set /time/end=0.02 --set '/coupling={\"" +
+                 coupling + "\": {}}'" + more);
+  };
+  const CaseRun driven = ended("divergence_free", "");
+  EXPECT_TRUE(driven.warned("driven_structure")) << driven.output;
+  EXPECT_FALSE(driven.warned("structure_growth")) << driven.output;
+  EXPECT_FALSE(driven.warned("unexplained_energy")) << driven.output;
+  const CaseRun good = ended("variational", "");
+  EXPECT_FALSE(good.warned("driven_structure")) << good.output;
+  EXPECT_FALSE(good.warned("structure_growth")) << good.output;
 }
 
 TEST(Verdict, WhatALawThrowsEndsTheRunOnAllRanks)

@@ -49,6 +49,8 @@ namespace
             W[q] += 0 / (std::abs(square - structure_dim) < 1e-9 ? 0. : 1.);
           else if (fault == "not objective")
             W[q] = square / 2 - F[q][0][0];
+          else if (fault == "state, energy grows" && !this->moment().state.empty())
+            W[q] += this->moment().state[0][q];
         }
     }
 
@@ -141,6 +143,29 @@ namespace
         }
     }
 
+    std::vector<typename Base::StateVariable>
+    state_variables() const override
+    {
+      if (fault.rfind("state", 0) != 0)
+        return {};
+      return {{"reached", 0.}};
+    }
+
+    void
+    update_state(const std::vector<Matrix> &F,
+                 std::vector<std::vector<double>> &state) const override
+    {
+      if (fault == "state, another variable")
+        state.push_back(state[0]);
+      else if (fault == "state, a value too many")
+        state[0].push_back(0);
+      else if (fault == "state, not a number")
+        state[0].assign(F.size(), std::numeric_limits<double>::quiet_NaN());
+      else if (fault.rfind("state", 0) == 0)
+        for (unsigned int q = 0; q < F.size(); ++q)
+          state[0][q] = std::max(state[0][q], trace(C(F[q], F[q])));
+    }
+
     bool
     linear() const override
     {
@@ -193,6 +218,10 @@ FEIB_PLUGIN("wrong_law", "1.0", registry)
                             "half the derivative",
                             "derivative not a number",
                             "not linear",
+                            "state, another variable",
+                            "state, a value too many",
+                            "state, not a number",
+                            "state, energy grows",
                             "viscous, sign",
                             "viscous, square",
                             "viscous, no potential",

@@ -75,6 +75,10 @@ namespace
     {"derivative not a number",
      "fails in its derivative of the stress: it is not finite in element 0"},
     {"not linear", "it says that its stress is linear in F"},
+    {"state, another variable", "fails in its state: it gives 2 state variables, it has 1"},
+    {"state, a value too many", "fails in its state: it gives "},
+    {"state, not a number", "fails in its state: it is not finite in element 0"},
+    {"state, energy grows", "when its state moves on"},
     {"viscous, sign", "its viscous stress drives the structure instead of damping it"},
     {"viscous, square", "its viscous stress is not linear in dF/dt"},
     {"viscous, no potential", "its viscous stress has no dissipation potential"},
@@ -171,6 +175,7 @@ TEST(WrongLaws, RightLawsPass)
   for (const std::string &law :
        {std::string("{ \"wrong_law\": { \"fault\": \"none\" } }"),
         std::string("{ \"wrong_law\": { \"fault\": \"viscous\" } }"),
+        std::string("{ \"wrong_law\": { \"fault\": \"state\" } }"),
         std::string("{ \"neo_hookean\": { \"shear_modulus\": 1 } }"),
         std::string("{ \"neo_hookean\": { \"shear_modulus\": 1e-9, \"stress_free\": true } }"),
         "{ \"anisotropic_linear\": { \"stiffness\": 1e9, " + fibres + " } }",

@@ -41,6 +41,7 @@ namespace feib
   {
     totals.unexplained.assign(components.structures.size(), 0.);
     totals.elastic_work.assign(components.structures.size(), 0.);
+    totals.inelastic.assign(components.structures.size(), 0.);
     totals.gained.assign(components.structures.size(), 0.);
     for (const ImmersedStructure<dim> &structure : components.structures)
       {
@@ -92,9 +93,10 @@ namespace feib
 
     totals.unexplained[s] += exchange.unexplained;
     totals.elastic_work[s] += exchange.elastic_work;
-    totals.gained[s] += gained;
+    totals.inelastic[s] += std::abs(exchange.inelastic);
+    totals.gained[s] -= exchange.numerical;
     const double unexplained = std::abs(totals.unexplained[s]);
-    if (unexplained > allowed * totals.elastic_work[s] + round_off(s))
+    if (model.conservative() && unexplained > allowed * totals.elastic_work[s] + round_off(s))
       throw Incurable("the load of the structure \"" + model.name() + "\" has done a work of " +
                       readable(totals.elastic_work[s]) + ", " +
                       percent(unexplained / totals.elastic_work[s]) +
@@ -111,16 +113,29 @@ namespace feib
 
   template <int dim>
   typename EnergyCheck<dim>::Worst
-  EnergyCheck<dim>::worst(const std::vector<double> &energies) const
+  EnergyCheck<dim>::worst(const std::vector<double> &energies,
+                          const std::vector<double> &works) const
   {
     Worst result{0., ""};
     for (unsigned int s = 0; s < energies.size(); ++s)
       {
         const double beyond = std::abs(energies[s]) - round_off(s);
-        if (beyond > result.first * totals.elastic_work[s])
-          result = {beyond / totals.elastic_work[s], components.structures[s].model->name()};
+        if (beyond > result.first * works[s])
+          result = {beyond / works[s], components.structures[s].model->name()};
       }
     return result;
+  }
+
+
+  template <int dim>
+  typename EnergyCheck<dim>::Worst
+  EnergyCheck<dim>::unexplained() const
+  {
+    std::vector<double> energies = totals.unexplained;
+    for (unsigned int s = 0; s < energies.size(); ++s)
+      if (!components.structures[s].model->conservative())
+        energies[s] = 0;
+    return worst(energies, totals.elastic_work);
   }
 
 
@@ -131,7 +146,23 @@ namespace feib
     std::vector<double> gains = totals.gained;
     for (double &gain : gains)
       gain = std::max(0., gain);
-    return worst(gains);
+    return worst(gains, totals.elastic_work);
+  }
+
+
+  template <int dim>
+  typename EnergyCheck<dim>::Worst
+  EnergyCheck<dim>::driven() const
+  {
+    // Where viscosity takes much more than that, it matters less.
+    std::vector<double> gains(totals.unexplained.size()), works = totals.elastic_work;
+    for (unsigned int s = 0; s < gains.size(); ++s)
+      {
+        if (!components.structures[s].model->conservative())
+          gains[s] = std::max(0., -totals.unexplained[s]);
+        works[s] += totals.inelastic[s];
+      }
+    return worst(gains, works);
   }
 
 

@@ -19,7 +19,7 @@ namespace feib
     struct Totals
     {
       double growth = 0; // energy from nowhere beyond what was dissipated, since it last vanished
-      std::vector<double> unexplained, elastic_work, gained; // of each structure
+      std::vector<double> unexplained, elastic_work, inelastic, gained; // of each structure
 
       void
       archive(Archive &archive)
@@ -27,6 +27,7 @@ namespace feib
         archive("growth", growth);
         archive("unexplained", unexplained);
         archive("elastic_work", elastic_work);
+        archive("inelastic", inelastic);
         archive("gained", gained);
       }
     };
@@ -42,21 +43,23 @@ namespace feib
     /// A structure and a part of the work of its load since the beginning.
     using Worst = std::pair<double, std::string>;
 
-    /// The structure with the largest part that no change of its energy explains; 0 without.
-    Worst
-    unexplained() const
-    {
-      return worst(totals.unexplained);
-    }
+    /// The structure with the largest part that no change of its energy explains, though its load
+    /// is said to be the derivative of one; 0 without.
+    Worst unexplained() const;
 
-    /// The structure with the largest part that is energy gained beyond the work done on it, which
-    /// an explicit scheme has from modes too fast for its step; 0 without.
+    /// The structure with the largest part that the time scheme has given it, as an explicit one
+    /// does to modes too fast for its step; 0 without.
     Worst gained() const;
+
+    /// Of the loads that are no derivatives of energies, because of where on faces they act: the
+    /// structure with the largest part that came from nowhere, however short the steps, beside the
+    /// work and what viscosity took; 0 without.
+    Worst driven() const;
 
   private:
     void judge_structure(unsigned int s, double scale, const Report &report);
 
-    Worst worst(const std::vector<double> &energies) const;
+    Worst worst(const std::vector<double> &energies, const std::vector<double> &works) const;
 
     /// Below which unexplained energy of a structure is round-off.
     double round_off(unsigned int s) const;

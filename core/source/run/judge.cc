@@ -185,6 +185,16 @@ namespace feib
              << stability_sentence(accounts.ledger.last("dt"));
         verdict.warn("structure_growth", time, part, text.str());
       }
+    if (const auto [part, name] = energies->driven(); part > tolerated_gain)
+      {
+        std::ostringstream text;
+        text << std::setprecision(2) << "of the work of the load of the structure \"" << name
+             << "\" " << 100 * part
+             << " % came from nowhere: at Gauss points of faces, or without "
+                "boundary faces, a load is not the derivative of the energy; no shorter step "
+                "helps, but face_quadrature vertex does, or finer meshes";
+        verdict.warn("driven_structure", time, part, text.str());
+      }
   }
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "law_check.h"
 
+#include <feib/archive.h>
 #include <feib/error.h>
 
 #include <deal.II/base/symmetric_tensor.h>
@@ -19,19 +20,9 @@ namespace feib
   {
     template <int dim>
     double
-    product(const NodalField<dim> &a, const NodalField<dim> &b)
-    {
-      double sum = 0;
-      for (unsigned int i = 0; i < a.size(); ++i)
-        sum += a[i] * b[i];
-      return sum;
-    }
-
-    template <int dim>
-    double
     norm(const NodalField<dim> &a)
     {
-      return std::sqrt(product(a, a));
+      return std::sqrt(a * a);
     }
 
     template <int dim>
@@ -72,7 +63,7 @@ namespace feib
     class LawCheck
     {
     public:
-      LawCheck(const StructureModel<dim> &model, const Parameters &slot);
+      LawCheck(StructureModel<dim> &model, const Parameters &slot);
 
       void finite_at_start() const;
       void measure_noise();
@@ -81,6 +72,7 @@ namespace feib
       void rotation() const;
       void growth() const;
       void viscosity() const;
+      void state() const;
 
       /// Throws the sentence at the law.
       [[noreturn]] void fail(const std::string &sentence) const;
@@ -125,7 +117,7 @@ namespace feib
       /// The energy of an affine image of the start; nothing where it is not defined.
       std::optional<double> energy_of(const dealii::Tensor<2, dim> &map) const;
 
-      const StructureModel<dim> &model;
+      StructureModel<dim> &model; // as it was, after each of these
       const Parameters block;
       std::string law; // its name; "" when the structure has no such slot
       std::vector<double> node_heights;
@@ -136,7 +128,7 @@ namespace feib
 
 
     template <int dim>
-    LawCheck<dim>::LawCheck(const StructureModel<dim> &model, const Parameters &slot)
+    LawCheck<dim>::LawCheck(StructureModel<dim> &model, const Parameters &slot)
       : model(model)
       , block(slot.choice().second)
       , law(block.has("law") ? block.child("law").choice().first : "")
@@ -262,7 +254,7 @@ namespace feib
               for (unsigned int k = 0; face.at_boundary() && k < model.mesh().structure_dim(); ++k)
                 V[face.nodes[k]] = dealii::Tensor<1, dim>();
           const NodalField<dim> v = at_points(V);
-          const double work       = product(f, v);
+          const double work       = f * v;
           double scale            = 0;
           for (unsigned int q = 0; q < f.size(); ++q)
             scale += f[q].norm() * v[q].norm();
@@ -327,7 +319,7 @@ namespace feib
         {
           if (norm(given) == 0)
             refuse("the derivative of its stress is zero, where its stress changes");
-          const double ratio = product(given, changed) / product(changed, changed);
+          const double ratio = (given * changed) / (changed * changed);
           double rest        = 0;
           for (unsigned int q = 0; q < given.size(); ++q)
             rest += (given[q] - ratio * changed[q]).norm_square();
@@ -442,9 +434,9 @@ namespace feib
       // Without the load of its boundary faces, or with Gauss points, powers are others.
       if (!model.conservative())
         return;
-      if (product(f, at_points(U)) > tolerated)
+      if (f * at_points(U) > tolerated)
         refuse("its viscous stress drives the structure instead of damping it; is its sign wrong?");
-      if (std::abs(product(f, at_points(V)) - product(g, at_points(U))) > tolerated)
+      if (std::abs(f * at_points(V) - g * at_points(U)) > tolerated)
         refuse("its viscous stress has no dissipation potential: P(A) : B is not P(B) : A");
       NodalField<dim> turning(U.size());
       for (unsigned int i = 0; i < U.size(); ++i)
@@ -458,12 +450,36 @@ namespace feib
       if (norm(viscous_load(turning)) > 1e-9 * speed * norm(f))
         refuse("its viscous stress resists when the structure is turned as a whole");
     }
+
+
+    template <int dim>
+    void
+    LawCheck<dim>::state() const
+    {
+      MemoryArchive before;
+      before("structure", model);
+      for (const Positions<dim> &end : {model.positions, X})
+        {
+          // The end of a short step; structures throw when the state is none.
+          model.set_moment(0., 1e-6);
+          const double held = model.energy(end);
+          model.update_state(end);
+          const double moved_on = model.energy(end);
+          load(end);
+          before.start_reading();
+          before("structure", model);
+          if (!(moved_on <= held + 1e-9 * std::abs(held) + 1e6 * noise))
+            refuse("its energy grows, from " + number(held) + " to " + number(moved_on) +
+                   ", when its state moves on; it must be what is stored and what is dissipated on "
+                   "the way from the state held");
+        }
+    }
   } // namespace
 
 
   template <int dim>
   void
-  check_law(const StructureModel<dim> &model, const Parameters &slot)
+  check_law(StructureModel<dim> &model, const Parameters &slot)
   {
     LawCheck<dim> check(model, slot);
     try
@@ -479,6 +495,8 @@ namespace feib
           }
         if (model.viscous())
           check.viscosity();
+        if (!model.state().empty())
+          check.state();
       }
     catch (const RunFailure &failure)
       {
@@ -487,6 +505,6 @@ namespace feib
   }
 
 
-  template void check_law(const StructureModel<2> &, const Parameters &);
-  template void check_law(const StructureModel<3> &, const Parameters &);
+  template void check_law(StructureModel<2> &, const Parameters &);
+  template void check_law(StructureModel<3> &, const Parameters &);
 } // namespace feib

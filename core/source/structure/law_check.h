@@ -11,11 +11,12 @@ namespace feib
   /// load's derivative, by differences about a state near the start; and whether anything resists.
   /// Throws Error at the structure's law: not finite, a wrong stress or derivative (with the
   /// factor, when it is one), an energy that changes with rotations, or that falls however the
-  /// structure is stretched. Takes some twenty evaluations of energy and load. Collective.
+  /// structure is stretched, or grows when the state moves on. Takes some twenty evaluations of
+  /// energy and load, and leaves the structure as it was. Collective.
   ///
   /// @p slot: the block that holds the component's name as its key.
   template <int dim>
-  void check_law(const StructureModel<dim> &model, const Parameters &slot);
+  void check_law(StructureModel<dim> &model, const Parameters &slot);
 } // namespace feib
 
 #endif

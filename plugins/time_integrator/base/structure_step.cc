@@ -122,7 +122,7 @@ namespace feib
     const double before = model.energy(old);
     model.positions     = displaced(old, dt, U);
     const double after = model.energy(model.positions), way = before - after;
-    const double work     = model.conservative() ? work_along_the_way(old, velocity) : way;
+    const double work     = work_along_the_way(old, velocity);
     exchange.numerical    = work - dt * elastic_power;
     exchange.unexplained  = way - work;
     exchange.elastic_work = std::abs(work);
