@@ -77,7 +77,7 @@ namespace
         EXPECT_EQ(int(element.material_id), given.groups.empty() ? 0 : given.groups[e][0]);
         for (unsigned int c = 0; c < 3 && !given.fibre.empty(); ++c)
           {
-            EXPECT_EQ(mesh.element_data().at("fibre")[e][c], given.fibre[e][c]);
+            EXPECT_EQ(mesh.element_data().at("the fibre")[e][c], given.fibre[e][c]);
           }
         dealii::Point<dim> centroid;
         for (unsigned int k = 0; k <= given.m; ++k)

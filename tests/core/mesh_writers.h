@@ -180,7 +180,7 @@ namespace feib::testing
       Numbers out{encoding};
       if (!fibre.empty())
         {
-          out.line("$ElementData").line("1\n\"fibre\"\n1\n0.0\n3\n0\n3");
+          out.line("$ElementData").line("1\n\"the fibre\"\n1\n0.0\n3\n0\n3");
           out.line(std::to_string(elements.size()));
           for (unsigned int e = 0; e < elements.size(); ++e)
             out.put(int(101 + e)).put(fibre[e][0]).put(fibre[e][1]).put(fibre[e][2]).end();
