@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Meshes of other people's kinds: each is read right or refused with a sentence.
 #include "elastic_structure_test.h"
-#include "mesh_writers.h"
+#include "vtk_writers.h"
+
+#include <deal.II/grid/grid_generator.h>
+#include <deal.II/grid/grid_out.h>
+#include <deal.II/grid/tria.h>
 
 #include <set>
 
@@ -133,15 +137,16 @@ namespace
   void
   survives_damage(const std::string &text, const std::string &slot)
   {
-    for (std::size_t n = 0; n < text.size(); n += 3)
+    const std::size_t step = text.size() / 80 + 1;
+    for (std::size_t n = 0; n < text.size(); n += step)
       survives(text.substr(0, n), slot);
-    for (std::size_t n = 0; n < text.size(); n += 3)
+    for (std::size_t n = 0; n < text.size(); n += step)
       {
         std::string changed = text;
         changed[n]          = char(changed[n] ^ 0x55);
         survives(changed, slot);
         for (const std::uint64_t number : {std::uint64_t(1) << 60, ~std::uint64_t(0)})
-          if (n % 6 == 0 && n + 8 <= text.size())
+          if (n % 2 == 0 && n + 8 <= text.size())
             {
               std::memcpy(changed.data() + n, &number, 8);
               survives(changed, slot);
@@ -253,4 +258,206 @@ TEST(MeshFiles, DamagedBinaryGmshIsRefused)
   mesh.elements[1] = {0, 3, 9};
   refused(mesh.format_2(Encoding::native), "element 102 has node 100, which does not exist");
   refused(mesh.format_4(Encoding::swapped), "element 102 has node 100, which does not exist");
+}
+
+TEST(MeshFiles, LegacyVtk)
+{
+  for (const Mesh &mesh : meshes())
+    for (const bool binary : {false, true})
+      for (const bool version_5 : {false, true})
+        {
+          const std::string what = "m = " + std::to_string(mesh.m) + (binary ? ", binary" : "") +
+                                   (version_5 ? ", version 5.1" : "");
+          check({what, legacy_vtk(mesh, binary, version_5), mesh}, "vtk");
+          check({what + ", second order",
+                 legacy_vtk(mesh.second_order(), binary, version_5),
+                 mesh,
+                 {"higher_order"}},
+                "vtk");
+        }
+}
+
+TEST(MeshFiles, VtuInAllEncodings)
+{
+  for (const Mesh &mesh : meshes())
+    for (const Vtu::Where where :
+         {Vtu::ascii, Vtu::inline_base64, Vtu::appended_base64, Vtu::appended_raw})
+      for (unsigned int bits = 0; bits < (where == Vtu::ascii ? 1 : 16); ++bits)
+        {
+          Vtu vtu{where, (bits & 1) > 0, (bits & 2) > 0, (bits & 4) > 0, (bits & 8) > 0};
+          const std::string what = "m = " + std::to_string(mesh.m) + ", where " +
+                                   std::to_string(where) + ", bits " + std::to_string(bits);
+          check({what, vtu.text(mesh), mesh}, "vtk");
+          check({what + ", second order", vtu.text(mesh.second_order()), mesh, {"higher_order"}},
+                "vtk");
+        }
+}
+
+// Lines of several segments, cells of lower dimension, points without a cell, several pieces,
+// ghosts.
+TEST(MeshFiles, WhatElseIsInFilesOfVtk)
+{
+  const std::string head = "# vtk DataFile Version 3.0\n\nascii\ndataset unstructured_grid\n";
+  Mesh chain{1, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{0, 1}, {1, 2}}, {{5}, {5}}};
+  check({"polyline",
+         head + "points 3 float\n0 0 0 1 0 0 1 1 0\ncells 1 4\n3 0 1 2\ncell_types 1\n4\n"
+                "cell_data 1\nscalars gmsh:physical long\nlookup_table t\n-5\n",
+         chain},
+        "vtk");
+  Mesh mesh = square(1);
+  check({"lower dimensions",
+         head +
+           "POINTS 5 float 9 9 9 0 0 0 1 0 0 0 1 0 1 1 0\nCELLS 4 13 1 0 2 1 2 3 1 2 4 3 1 4 3\n"
+           "CELL_TYPES 4\n1 3 5 5\nPOINT_DATA 5\nCOLOR_SCALARS c 1\n1 1 1 1 1\n"
+           "VECTORS v double\n1 2 3 4 5 6 7 8 9 1 2 3 4 5 nan\n",
+         mesh},
+        "vtk");
+  const std::string text  = Vtu().text(marked(square(1)));
+  const std::size_t begin = text.find("<Piece"), end = text.find("</UnstructuredGrid>");
+  const std::string piece = text.substr(begin, end - begin);
+  const auto with         = [&](const std::string &second) {
+    return text.substr(0, end) + second + text.substr(end);
+  };
+  std::string ghosts = replace(
+    piece,
+    "</CellData>",
+    "<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">1 1</DataArray></CellData>");
+  check({"ghosts", with(ghosts), marked(square(1))}, "vtk");
+  // The same once more, two away.
+  const Mesh two     = marked(square(1)) + marked(square(1)).shifted({2, 0, 0});
+  std::string second = Vtu().text(marked(square(1)).shifted({2, 0, 0}));
+  second             = second.substr(begin, second.find("</UnstructuredGrid>") - begin);
+  Mesh expected      = two;
+  expected.fibre.clear();
+  check({"two pieces", with(second), expected}, "vtk");
+}
+
+TEST(MeshFiles, WhatIsWrongWithAFileOfVtk)
+{
+  const auto refused = [](const std::string &text, const std::string &sentence) {
+    const TemporaryFile file(text);
+    const std::string message =
+      error_of<2>(body, R"({"vtk": {"file": ")" + file.name + R"("}})", neo_hookean);
+    EXPECT_TRUE(contains(message, sentence));
+    EXPECT_TRUE(contains(message, "/mesh/vtk/file: file \"" + file.name + "\""));
+  };
+  const Mesh mesh          = marked(square(1));
+  const std::string legacy = legacy_vtk(mesh, false), vtu = Vtu().text(mesh);
+  Vtu encoded{Vtu::inline_base64, true};
+  const std::string packed = encoded.text(mesh);
+  refused("", "line 1: the file is empty; Feib reads VTK's legacy format");
+  refused("solid\n", "line 1: found \"solid\"; Feib reads VTK's legacy format");
+  refused(replace(legacy, "ASCII", "HEX"), "line 3: found \"HEX\" where ASCII or BINARY");
+  refused(replace(legacy, "UNSTRUCTURED_GRID", "POLYDATA"),
+          "found \"DATASET POLYDATA\"; Feib reads");
+  refused(replace(legacy, "POINTS 4 double", "POINTS 4 string"), "numbers of the type \"string\"");
+  refused(replace(legacy, "POINTS 4 double", "POINTS 1152921504606846976 double"),
+          "found \"CELLS\" in POINTS where a number is expected");
+  refused(replace(legacy_vtk(mesh, true), "POINTS 4 d", "POINTS 1152921504606846976 d"),
+          "the file ends inside POINTS");
+  refused(replace(legacy_vtk(mesh, true), "POINTS 4 d", "POINTS 6148914691236517206 d"),
+          "the file ends inside POINTS");
+  refused(replace(legacy, "CELLS 2 8", "CELLS 3 8"), "fewer numbers than its 3 cells say");
+  refused(replace(legacy, "CELLS 2 8", "CELLS 1 8"), "more numbers than its 1 cells say");
+  refused(replace(legacy, "3 0 1 3", "3 0 1 4"), "cell 0 has the point 4; there are 4, 0 to 3");
+  refused(replace(legacy, "3 0 1 3", "3 0 1 -1"), "cell 0 has the point -1; there are 4, 0 to 3");
+  refused(replace(legacy, "3 0 1 3", "3 0 1.5 3"), "cell 0 has the point 1.5; there are 4");
+  refused(replace(legacy, "1 0 0\n", "1 nan 0\n"), "point 1 has the coordinate nan");
+  refused(replace(legacy, "CELL_DATA 2", "CELL_DATA 1"), "found \"7\" where a part of an unstr");
+  refused(replace(legacy, "\n5 5\n", "\n9 9\n"), "has 3 points, 4 are needed");
+  refused(replace(legacy, "\n5 5\n", "\n7 7\n"), "holds polygons; a structure of dimension 2");
+  refused(replace(legacy, "\n5 5\n", "\n42 42\n"), "holds cells of VTK's type 42; a structure");
+  refused(replace(legacy, "\n3 7\n", "\n3 -7\n"),
+          "element 1 has the material -7; ids are 0, 1, 2, ...");
+
+  refused(replace(vtu, "\"UnstructuredGrid", "\"PolyData"), "of the type \"PolyData\"; Feib reads");
+  refused(replace(vtu, "<VTKFile type", "<svg type"), "line 3: found <svg>");
+  refused(replace(packed, "ZLib", "LZ4"), "compressed by \"vtkLZ4DataCompressor\"; Feib reads");
+  refused(replace(vtu, "NumberOfPoints=\"4", "NumberOfPoints=\"5"),
+          "line 5: this piece says that it has 5 points, its arrays have 4");
+  refused(replace(vtu, "NumberOfCells=\"2", "NumberOfCells=\"1152921504606846976"),
+          "says that it has 1152921504606846976 cells, its arrays have 2");
+  refused(replace(vtu, "Float64", "String"), "an array of the type \"String\"; it is Int8");
+  refused(replace(vtu, "connectivity", "connection"), "cell 0 ends in the list of points at 3");
+  refused(replace(packed, "format=\"binary", "format=\"zip"), "it is ascii, binary or appended");
+  refused(replace(packed, "format=\"binary", "format=\"appended"), "has no <AppendedData>");
+  refused(vtu.substr(0, vtu.size() - 12), "the file ends without </VTKFile>");
+  // A block that would be a billion billion bytes.
+  Numbers bomb{Encoding::native};
+  bomb.put(std::uint32_t(1)).put(~std::uint32_t(0)).put(~std::uint32_t(0)).put(std::uint32_t(8));
+  const std::size_t at = packed.find("binary\">\n", packed.find("Name=\"Points\"")) + 9;
+  refused(packed.substr(0, at) + in_base64(bomb.text) + in_base64("12345678") +
+            packed.substr(packed.find('\n', at)),
+          "the array \"Points\" has a compressed block that is too short for its size");
+}
+
+TEST(MeshFiles, DamagedFilesOfVtkAreRefused)
+{
+  const Mesh mesh = marked(square(1));
+  for (const bool version_5 : {false, true})
+    survives_damage(legacy_vtk(mesh, true, version_5), "vtk");
+  for (const Vtu::Where where : {Vtu::inline_base64, Vtu::appended_raw})
+    {
+      Vtu vtu{where, where == Vtu::inline_base64};
+      survives_damage(vtu.text(mesh), "vtk");
+    }
+}
+
+namespace
+{
+  /// The unit square or cube of simplices as deal.II writes it, in two materials.
+  template <int dim>
+  void
+  check_what_deal_ii_writes()
+  {
+    dealii::Triangulation<dim> triangulation;
+    dealii::GridGenerator::subdivided_hyper_cube_with_simplices(triangulation, 2);
+    unsigned int n_marked = 0;
+    for (const auto &cell : triangulation.active_cell_iterators())
+      if (cell->center()[0] > .5)
+        {
+          cell->set_material_id(3);
+          ++n_marked;
+        }
+    std::ostringstream vtk, vtu;
+    const dealii::GridOut out;
+    out.write_vtk(triangulation, vtk);
+    out.write_vtu(triangulation, vtu);
+    std::vector<std::string> texts{vtk.str(), vtu.str()};
+#ifdef DEAL_II_GMSH_WITH_API
+    const TemporaryFile msh("");
+    out.write_msh(triangulation, msh.name);
+    std::ostringstream content;
+    content << std::ifstream(msh.name).rdbuf();
+    texts.push_back(content.str());
+#endif
+    for (const std::string &text : texts)
+      {
+        SCOPED_TRACE(text.substr(0, 300));
+        const std::string slot = text[0] == '$' ? "gmsh" : "vtk";
+        const TemporaryFile file(text);
+        const auto model =
+          make_model<dim>(body,
+                          "{\"" + slot + R"(": {"file": ")" + file.name + R"(", "merge": true}})",
+                          neo_hookean);
+        EXPECT_NEAR(check_mesh(model->mesh()), 1, 1e-5); // of numbers in single precision
+        EXPECT_EQ(model->mesh().n_elements(), triangulation.n_active_cells());
+        EXPECT_EQ(model->mesh().n_nodes(), triangulation.n_used_vertices());
+        unsigned int n = 0, id = 3;
+        for (const auto &[name, group] : model->mesh().material_names())
+          if (contains(name, "MaterialID:3"))
+            id = group;
+        for (const auto &element : model->mesh().elements())
+          n += element.material_id == id;
+        // The vtu file holds no integers.
+        EXPECT_EQ(n, text == vtu.str() ? 0 : n_marked);
+      }
+  }
+} // namespace
+
+// Files of another hand than that which wrote the readers.
+TEST(MeshFiles, WhatDealIIWrites)
+{
+  check_what_deal_ii_writes<2>();
+  check_what_deal_ii_writes<3>();
 }

@@ -46,12 +46,35 @@ namespace feib
   }
 
 
+  bool
+  FileScanner::find(const std::string_view expected)
+  {
+    if (!find_word() || text.substr(at, expected.size()) != expected)
+      return false;
+    at += expected.size();
+    return true;
+  }
+
+
   std::string_view
   FileScanner::rest_of_line()
   {
     const std::size_t begin = at;
     at                      = std::min(text.find('\n', at), text.size());
     return text.substr(begin, at - begin);
+  }
+
+
+  std::string_view
+  FileScanner::next_line()
+  {
+    const std::string_view result = rest_of_line();
+    if (at < text.size())
+      {
+        ++at;
+        ++line;
+      }
+    return result;
   }
 
 

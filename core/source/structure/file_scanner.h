@@ -26,8 +26,14 @@ namespace feib
 
     std::string_view word();
 
+    /// Goes behind the next word if it is this one; whether it is.
+    bool find(std::string_view expected);
+
     /// The rest of the line, without its end.
     std::string_view rest_of_line();
+
+    /// The same, going to the next line; empty at the end of the file.
+    std::string_view next_line();
 
     /// Goes to the next line, where binary numbers begin.
     void end_line();

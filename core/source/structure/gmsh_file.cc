@@ -333,8 +333,13 @@ namespace feib
         node.number = tag;
         for (double &coordinate : node.place)
           coordinate = real();
-        if (!index.try_emplace(tag, result.nodes.size()).second)
-          in.fail("node " + std::to_string(tag) + " stands here a second time");
+        ++n_nodes;
+        // Some programs write a node once for each entity that it belongs to.
+        const auto [known, is_new] = index.try_emplace(tag, result.nodes.size());
+        if (!is_new && result.nodes[known->second].place != node.place)
+          in.fail("node " + std::to_string(tag) + " stands here a second time, at another place");
+        if (!is_new)
+          return;
         node.line = in.binary ? 0 : in.line;
         result.nodes.push_back(node);
       }
@@ -372,7 +377,7 @@ namespace feib
                   skip<double>(dimension);
               }
           }
-        check_total(n_all, result.nodes.size());
+        check_total(n_all, n_nodes);
       }
 
       void
@@ -583,6 +588,7 @@ namespace feib
       MeshFile &result;
       double version       = 0; // not read yet
       bool entities_listed = false;
+      std::size_t n_nodes  = 0;
       std::map<std::pair<unsigned int, int>, std::vector<int>> groups_of; // of an entity (4.1)
       std::unordered_map<std::uint64_t, unsigned int> index;              // of a node by its number
       std::unordered_set<std::uint64_t> elements;                         // their numbers

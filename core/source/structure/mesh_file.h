@@ -57,6 +57,12 @@ namespace feib
   /// line (the byte of a binary file), what was found and what is allowed, when the file is
   /// missing, cannot be read, or contradicts itself. Collective: the first rank reads.
   MeshFile read_gmsh_file(const std::string &file, MPI_Comm communicator);
+
+  /// A file of VTK that holds an unstructured grid, of the legacy format, ASCII or binary, or of
+  /// the XML format (vtu), ASCII, in base64 or appended, compressed by zlib or not. Points and
+  /// cells are numbered from 0. Material ids are the first integer cell data named material,
+  /// MaterialID or gmsh:physical. Throws Error and is collective as read_gmsh_file().
+  MeshFile read_vtk_file(const std::string &file, MPI_Comm communicator);
 } // namespace feib
 
 #endif

@@ -256,6 +256,9 @@ namespace feib
         }
       for (const MeshFile::Simplex &simplex : file.simplices[structure_dim])
         {
+          if (simplex.material_id < 0)
+            throw Error("element " + std::to_string(simplex.number) + " has the material " +
+                        std::to_string(simplex.material_id) + "; ids are 0, 1, 2, ...");
           std::vector<unsigned int> nodes;
           for (unsigned int k = 0; k <= structure_dim; ++k)
             nodes.push_back(node_of[simplex.nodes[k]]);

@@ -35,13 +35,15 @@ namespace feib
                 name + " is a mesh of dimension " + found + "; a " +
                   (structure_dim == dim ? "thick body" : "membrane") + " in dimension " +
                   std::to_string(dim) + " needs a mesh of dimension " +
-                  std::to_string(structure_dim) + ": " + allowed + "gmsh");
+                  std::to_string(structure_dim) + ": " + allowed + "gmsh, vtk");
     }
 
 
     template <int dim>
     LagrangianMesh<dim>
-    read(const Parameters &block, const unsigned int structure_dim)
+    read(const Parameters &block,
+         const unsigned int structure_dim,
+         MeshFile (*read_file)(const std::string &, MPI_Comm))
     {
       const std::string file = block.string("file");
       const std::string path = file.empty() || file[0] == '/' || block.directory().empty()
@@ -49,7 +51,7 @@ namespace feib
                                  : block.directory() + "/" + file;
       try
         {
-          return mesh_from_file<dim>(read_gmsh_file(path, block.communicator()),
+          return mesh_from_file<dim>(read_file(path, block.communicator()),
                                      path,
                                      structure_dim,
                                      block.boolean("merge"),
@@ -69,7 +71,9 @@ namespace feib
   {
     const auto [name, block] = mesh.choice();
     if (name == "gmsh")
-      return read<dim>(block, structure_dim);
+      return read<dim>(block, structure_dim, read_gmsh_file);
+    if (name == "vtk")
+      return read<dim>(block, structure_dim, read_vtk_file);
     for (const BuiltInMesh<dim> &known : built_in_meshes<dim>())
       if (known.name == name && known.structure_dim == structure_dim)
         return known.make(block);

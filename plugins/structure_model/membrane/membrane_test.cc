@@ -295,7 +295,7 @@ TEST(Membrane, CylindersAndRectangles)
   EXPECT_TRUE(contains(
     error_of<2>(component, R"({"rectangle": {"cells": [1, 1]}})", linear),
     "/mesh/rectangle: rectangle is a mesh of dimension 2 for dimension 2 or 2 for dimension 3; a "
-    "membrane in dimension 2 needs a mesh of dimension 1: closed_curve, open_curve, gmsh"));
+    "membrane in dimension 2 needs a mesh of dimension 1: closed_curve, open_curve, gmsh, vtk"));
 }
 
 // The boundary of the unit tetrahedron, its triangles turned this way and that.
@@ -358,7 +358,7 @@ TEST(Membrane, SaysWhatIsWrong)
 {
   EXPECT_TRUE(contains(error_of<2>(component, sphere(1), neo_hookean),
                        "sphere is a mesh of dimension 2 for dimension 3; a membrane in dimension 2 "
-                       "needs a mesh of dimension 1: closed_curve, open_curve, gmsh"));
+                       "needs a mesh of dimension 1: closed_curve, open_curve, gmsh, vtk"));
   EXPECT_TRUE(contains(error_of<2>(component, curve(9), linear), "lacks \"initial_position\""));
   EXPECT_TRUE(
     contains(error_of<2>(component, curve(9), linear, R"("initial_position": ["s1", "0"])"),
