@@ -111,8 +111,14 @@ namespace feib
     const std::vector<Facet> &interfaces() const;
 
     /// Gives each element its material id, one per element. Remarks of the kind "groups" about
-    /// those there were are void.
+    /// those there were are void, and so are their names.
     void set_materials(const std::vector<unsigned int> &material_ids);
+
+    /// What a file calls materials, each by the name of its physical group. Not every id has a
+    /// name.
+    using MaterialNames = std::map<std::string, unsigned int>;
+    const MaterialNames &material_names() const;
+    void set_material_names(MaterialNames names);
 
     /// What a file knows of the elements beside their nodes: by name, up to three numbers for each
     /// element.
@@ -161,6 +167,7 @@ namespace feib
     std::vector<Face> face_list;
     std::vector<Facet> surface_facets, interface_facets;
     std::vector<Remark> remark_list;
+    MaterialNames names_of_materials;
     ElementData data_of_elements;
     bool is_closed = false;
   };

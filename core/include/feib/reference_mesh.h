@@ -8,7 +8,8 @@
 namespace feib
 {
   /// Builds the reference mesh that the block names: an object with one key, one of
-  /// closed_curve, open_curve, rectangle, periodic_strip, disc, ring, sphere, ball, box, gmsh.
+  /// closed_curve, open_curve, rectangle, periodic_strip, disc, ring, sphere, cylinder, ball, box,
+  /// tube, gmsh, vtk.
   /// The keys each one takes are in the schemas of the structure models. Throws Error at the block
   /// when the mesh does not exist for this (structure_dim, dim), or the file is missing or of the
   /// wrong dimension. Collective on the ranks of the block.

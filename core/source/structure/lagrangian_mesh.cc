@@ -466,7 +466,22 @@ namespace feib
                                      remark_list.end(),
                                      [](const Remark &remark) { return remark.kind == "groups"; }),
                       remark_list.end());
+    names_of_materials.clear();
     find_facets();
+  }
+
+  template <int dim>
+  const typename LagrangianMesh<dim>::MaterialNames &
+  LagrangianMesh<dim>::material_names() const
+  {
+    return names_of_materials;
+  }
+
+  template <int dim>
+  void
+  LagrangianMesh<dim>::set_material_names(MaterialNames names)
+  {
+    names_of_materials = std::move(names);
   }
 
   template <int dim>

@@ -371,14 +371,83 @@ TEST(Hyperelastic, Meshes)
     }
 }
 
+// Bodies along any axis: reference coordinates are places, sides are where they should be, and a
+// body is that of another axis, turned.
+TEST(Hyperelastic, TubesAndCylinders)
+{
+  // Of a polygon in the circle of radius 1.
+  const double area = .5 * 12 * std::sin(M_PI / 6), area_24 = .5 * 24 * std::sin(M_PI / 12);
+  const auto mesh_3 = [](const std::string &text) {
+    return LagrangianMesh<3>(make_model<3>(component, text, neo_hookean)->mesh());
+  };
+  for (const std::string axis : {"[0, 0, 2]", "[1, 0, 0]", "[0, -3, 0]", "[1, 2, -2]"})
+    {
+      const std::string common =
+        R"("centre": [1, 2, 3], "length": 2, "axis": )" + axis + R"(, "cells": [24, 2, 6])";
+      const LagrangianMesh<3> tube =
+        mesh_3(R"({"tube": {"inner_radius": 1, "outer_radius": 1.5, )" + common + "}}");
+      EXPECT_EQ(tube.n_elements(), 24 * 2 * 6 * 6u);
+      EXPECT_EQ(tube.n_nodes(), 24 * 3 * 7u);
+      EXPECT_EQ(tube.surface().size(), 2 * (2 * 24 * 6 + 2 * 24 * 2u));
+      EXPECT_NEAR(check_mesh(tube), area_24 * (2.25 - 1) * 2, 1e-12);
+      EXPECT_GT(worst_shape(tube), .2);
+
+      const LagrangianMesh<3> solid =
+        mesh_3(R"({"cylinder": {"radius": 1, "rings": 2, "layers": 4, )" +
+               common.substr(0, common.find(R"(, "cells")")) + "}}");
+      EXPECT_EQ(solid.n_elements(), 18 * 4 * 4u);
+      EXPECT_EQ(solid.n_nodes(), 19 * 5u);
+      EXPECT_NEAR(check_mesh(solid), area * 2, 1e-12);
+      EXPECT_GT(worst_shape(solid), .35);
+
+      for (const LagrangianMesh<3> *mesh : {&tube, &solid})
+        {
+          dealii::Tensor<1, 3> along = axis == "[0, 0, 2]"   ? dealii::Tensor<1, 3>({0, 0, 1})
+                                       : axis == "[1, 0, 0]" ? dealii::Tensor<1, 3>({1, 0, 0})
+                                       : axis == "[0, -3, 0]"
+                                         ? dealii::Tensor<1, 3>({0, -1, 0})
+                                         : dealii::Tensor<1, 3>({1., 2., -2.}) / 3.;
+          const double outer         = mesh == &tube ? 1.5 : 1;
+          double volume              = 0; // from the boundary
+          for (const auto &facet : mesh->surface())
+            {
+              dealii::Tensor<2, 3> x;
+              for (unsigned int k = 0; k < 3; ++k)
+                x[k] = mesh->nodes()[facet[k]] - dealii::Point<3>(1, 2, 3);
+              volume += determinant(x) / 6;
+            }
+          EXPECT_NEAR(volume, mesh == &tube ? area_24 * 2.5 : area * 2, 1e-12);
+          for (const auto &node : mesh->nodes())
+            {
+              const dealii::Tensor<1, 3> x = node - dealii::Point<3>(1, 2, 3);
+              EXPECT_LT(std::abs(x * along), 1 + 1e-14);
+              EXPECT_LT((x - (x * along) * along).norm(), outer + 1e-14);
+            }
+        }
+    }
+}
+
 // --- what a user may get wrong
 
 TEST(Hyperelastic, SaysWhatIsWrongWithAMesh)
 {
-  EXPECT_TRUE(
-    contains(error_of<3>(component, R"({"rectangle": {"cells": [2, 2]}})", neo_hookean),
-             "/mesh/rectangle: rectangle is a mesh of dimension 2 for dimension 2; a thick "
-             "body in dimension 3 needs a mesh of dimension 3: ball, box, gmsh"));
+  const std::string tube = R"("inner_radius": 1, "outer_radius": 2, "length": 1)";
+  const auto refused     = [](const std::string &mesh, const std::string &sentence) {
+    EXPECT_TRUE(contains(error_of<3>(component, mesh, neo_hookean), sentence));
+  };
+  refused(R"({"tube": {)" + tube + R"(, "cells": [2, 1, 1]}})",
+          "/mesh/tube/cells: needs at least 3 cells around the ring, found 2");
+  refused(R"({"tube": {)" + tube + R"(, "cells": [3, 1, 1], "axis": [0, 0, 0]}})",
+          "/mesh/tube/axis: must have a direction, found [0, 0, 0]");
+  refused(R"({"tube": {"inner_radius": 2, "outer_radius": 2, "length": 1, "cells": [3, 1, 1]}})",
+          "/mesh/tube/outer_radius: must be greater than \"inner_radius\" (2), found 2");
+  refused(R"({"cylinder": {"radius": 1, "length": 1, "rings": 4000, "layers": 100}})",
+          "/mesh/cylinder/layers: gives 28800 million elements");
+  EXPECT_TRUE(contains(
+    error_of<3>(component, R"({"rectangle": {"cells": [2, 2]}})", neo_hookean),
+    "/mesh/rectangle: rectangle is a mesh of dimension 2 for dimension 2 or 2 for "
+    "dimension 3; a thick "
+    "body in dimension 3 needs a mesh of dimension 3: ball, box, cylinder, tube, gmsh, vtk"));
   EXPECT_TRUE(
     contains(error_of<2>(component,
                          R"({"rectangle": {"lower": [1, 1], "upper": [2, 1], "cells": [2, 2]}})",

@@ -241,6 +241,63 @@ TEST(Membrane, Meshes)
     }
 }
 
+// Surfaces with ends, in space: their normals are where they are said to be.
+TEST(Membrane, CylindersAndRectangles)
+{
+  const auto normal = [](const LagrangianMesh<3> &mesh, const unsigned int e) {
+    const auto &facet      = mesh.surface()[e];
+    const auto &x          = mesh.nodes();
+    dealii::Tensor<1, 3> n = cross_product_3d(x[facet[1]] - x[facet[0]], x[facet[2]] - x[facet[0]]);
+    return n / n.norm();
+  };
+  const LagrangianMesh<3> tube =
+    make_model<3>(component,
+                  R"({"cylinder": {"centre": [1, 2, 3], "radius": 2, "length": 6, "axis": [0, 5, 0],
+                      "cells": [16, 8]}})",
+                  neo_hookean)
+      ->mesh();
+  EXPECT_EQ(tube.n_elements(), 2 * 16 * 8u);
+  EXPECT_EQ(tube.n_nodes(), 16 * 9u);
+  EXPECT_FALSE(tube.closed());
+  EXPECT_NEAR(check_mesh(tube), 6 * 16 * 4 * std::sin(M_PI / 16), 1e-12);
+  EXPECT_GT(worst_shape(tube), .55); // right-angled
+  for (unsigned int e = 0; e < tube.n_elements(); ++e)
+    {
+      dealii::Tensor<1, 3> out = tube.elements()[e].centroid - dealii::Point<3>(1, 2, 3);
+      EXPECT_LT(std::abs(out[1]), 3);
+      out[1] = 0;
+      EXPECT_GT(normal(tube, e) * out, .99 * out.norm());
+    }
+
+  for (unsigned int a = 0; a < 3; ++a)
+    {
+      std::array<int, 3> upper{{2, 4, 6}};
+      upper[a]        = 0;
+      const auto text = [&](const int i) { return std::to_string(upper[i]); };
+      const LagrangianMesh<3> sheet =
+        make_model<3>(component,
+                      R"({"rectangle": {"upper": [)" + text(0) + ", " + text(1) + ", " + text(2) +
+                        R"(], "cells": [1, 3]}})",
+                      neo_hookean)
+          ->mesh();
+      EXPECT_EQ(sheet.n_elements(), 6u);
+      EXPECT_EQ(sheet.n_nodes(), 8u);
+      EXPECT_NEAR(check_mesh(sheet), a == 0 ? 24 : a == 1 ? 12 : 8, 1e-13);
+      // Three cells along the later of the two directions.
+      EXPECT_NEAR(sheet.nodes()[a == 1 ? 1 : 2][a == 2 ? 1 : 2], a == 2 ? 4 / 3. : 2, 1e-14);
+      for (unsigned int e = 0; e < 6; ++e)
+        EXPECT_NEAR(normal(sheet, e)[a], 1, 1e-14);
+    }
+  EXPECT_TRUE(contains(
+    error_of<3>(component, R"({"rectangle": {"upper": [1, 1, 1], "cells": [1, 1]}})", neo_hookean),
+    "/mesh/rectangle/upper: must be equal to \"lower\" in one direction, that of the normal, and "
+    "greater in the two others, found [1, 1, 1] and [0, 0, 0]"));
+  EXPECT_TRUE(contains(
+    error_of<2>(component, R"({"rectangle": {"cells": [1, 1]}})", linear),
+    "/mesh/rectangle: rectangle is a mesh of dimension 2 for dimension 2 or 2 for dimension 3; a "
+    "membrane in dimension 2 needs a mesh of dimension 1: closed_curve, open_curve, gmsh, vtk"));
+}
+
 // The boundary of the unit tetrahedron, its triangles turned this way and that.
 TEST(Membrane, GmshSurfaceIsOriented)
 {
@@ -301,7 +358,7 @@ TEST(Membrane, SaysWhatIsWrong)
 {
   EXPECT_TRUE(contains(error_of<2>(component, sphere(1), neo_hookean),
                        "sphere is a mesh of dimension 2 for dimension 3; a membrane in dimension 2 "
-                       "needs a mesh of dimension 1: closed_curve, open_curve, gmsh"));
+                       "needs a mesh of dimension 1: closed_curve, open_curve, gmsh, vtk"));
   EXPECT_TRUE(contains(error_of<2>(component, curve(9), linear), "lacks \"initial_position\""));
   EXPECT_TRUE(
     contains(error_of<2>(component, curve(9), linear, R"("initial_position": ["s1", "0"])"),
