@@ -8,6 +8,8 @@
 #include <feib/parameters.h>
 #include <feib/structure_force.h>
 
+#include <deal.II/base/symmetric_tensor.h>
+
 #include <memory>
 #include <string>
 #include <utility>
@@ -33,6 +35,9 @@ namespace feib
 
     /// The state: the position of every node. The constructor sets it to the initial map.
     Positions<dim> positions;
+
+    /// Those at the start of a run, which the constructor sets.
+    Positions<dim> initial_positions;
 
     /// The velocity of every node: with an excess density a part of the state, else a first guess.
     NodalField<dim> velocities;
@@ -196,6 +201,15 @@ namespace feib
 
     /// The centroid of what measure() measures.
     virtual dealii::Point<dim> centroid(const Positions<dim> &X) const = 0;
+
+    /// The second moments, over the measure, of what measure() measures about its centroid: int (x
+    /// - c)(x - c)^T / measure. [length^2]
+    virtual dealii::SymmetricTensor<2, dim> second_moments(const Positions<dim> &X) const = 0;
+
+    /// The elastic stress per element, for output: P F^T / J, J the present measure over that of
+    /// reference; for curves and surfaces the tension. Indexed by element.
+    virtual std::vector<dealii::SymmetricTensor<2, dim>>
+    cauchy_stress(const Positions<dim> &X) const = 0;
 
     /// Energy density W per element, for output. Indexed by element.
     virtual std::vector<double> energy_density(const Positions<dim> &X) const = 0;

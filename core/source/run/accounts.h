@@ -84,6 +84,10 @@ namespace feib
     /// The columns of structure @p s.
     void add_structure(Ledger::Row &row, unsigned int s, const Report &report) const;
 
+    /// The half axes of the ellipse or ellipsoid with the same second moments, and the direction of
+    /// the longest.
+    static void add_axes(Ledger::Row &row, const StructureModel<dim> &model);
+
     Components<dim> &components;
     std::map<std::string, double> seconds_at_last_row;
   };

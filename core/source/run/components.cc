@@ -146,7 +146,6 @@ namespace feib
         check_density(*structure.model, block);
         check_law(*structure.model, slot);
         build_forces(*structure.model, block, sample_times(end));
-        initial_positions.push_back(structure.model->positions);
         structures.push_back(std::move(structure));
       });
   }

@@ -30,7 +30,6 @@ namespace feib
     std::unique_ptr<EulerianSpace<dim>> space;
     std::unique_ptr<FluidSolver<dim>> fluid;
     std::vector<ImmersedStructure<dim>> structures;
-    std::vector<Positions<dim>> initial_positions; // of each structure
     std::unique_ptr<TimeIntegrator<dim>> integrator;
     std::string integrator_name;
     std::unique_ptr<RefinementStrategy<dim>> refinement;

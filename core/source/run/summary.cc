@@ -98,10 +98,8 @@ namespace feib
         result["energy"] = energy_summary(accounts);
       result["structures"] = Json::array();
       for (unsigned int s = 0; s < components.structures.size(); ++s)
-        result["structures"].push_back(structure_summary(*components.structures[s].model,
-                                                         components.initial_positions[s],
-                                                         totals.leak[s],
-                                                         totals.time_error[s]));
+        result["structures"].push_back(
+          structure_summary(*components.structures[s].model, totals.leak[s], totals.time_error[s]));
       if (components.exact_velocity && ledger.n_rows() > 0)
         {
           const ErrorNorms norms = error_norms(space,

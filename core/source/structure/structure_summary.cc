@@ -43,12 +43,9 @@ namespace feib
 
   template <int dim>
   Json
-  structure_summary(const StructureModel<dim> &model,
-                    const Positions<dim> &initial,
-                    const double leak,
-                    const double time_error)
+  structure_summary(const StructureModel<dim> &model, const double leak, const double time_error)
   {
-    const double measure_initial      = model.measure(initial);
+    const double measure_initial      = model.measure(model.initial_positions);
     const double measure              = model.measure(model.positions);
     const dealii::Point<dim> centroid = model.centroid(model.positions);
     Json centre = Json::array(), extent = Json::array();
@@ -68,11 +65,11 @@ namespace feib
                    {"centroid", centre},
                    {"extent", extent}};
     if (model.mesh().structure_dim() == dim)
-      result["relative_element_change"] = element_changes(model, initial);
+      result["relative_element_change"] = element_changes(model, model.initial_positions);
     return result;
   }
 
 
-  template Json structure_summary(const StructureModel<2> &, const Positions<2> &, double, double);
-  template Json structure_summary(const StructureModel<3> &, const Positions<3> &, double, double);
+  template Json structure_summary(const StructureModel<2> &, double, double);
+  template Json structure_summary(const StructureModel<3> &, double, double);
 } // namespace feib

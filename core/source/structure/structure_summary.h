@@ -8,13 +8,10 @@
 
 namespace feib
 {
-  /// What summary.json says of a structure at its present positions, beside the @p initial ones.
+  /// What summary.json says of a structure at its present positions, beside those at the start.
   /// @p leak and @p time_error: the parts of the change of its measure.
   template <int dim>
-  Json structure_summary(const StructureModel<dim> &model,
-                         const Positions<dim> &initial,
-                         double leak,
-                         double time_error);
+  Json structure_summary(const StructureModel<dim> &model, double leak, double time_error);
 } // namespace feib
 
 #endif

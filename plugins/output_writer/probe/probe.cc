@@ -6,6 +6,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <iomanip>
 #include <sstream>
 
@@ -52,6 +53,9 @@ namespace
     /// Velocity components and pressure at each point, on all ranks.
     std::vector<double> values(const feib::EulerianSpace<dim> &space) const;
 
+    /// Finds the structure and the elements that have the places.
+    void find_places(const feib::CheckContext<dim> &context);
+
     void write_rows(const Snapshot &snapshot, const std::vector<double> &values);
 
     std::string
@@ -64,6 +68,11 @@ namespace
     const unsigned int steps;
     std::vector<std::pair<std::string, dealii::Point<dim>>> given; // with their places in the case
     std::vector<dealii::Point<dim>> points;
+    std::string structure;                  // that the points ride on; empty: none
+    std::vector<dealii::Point<dim>> places; // reference places on it
+    std::string pointer;                    // of their block
+    unsigned int index = 0;                 // of the structure
+    feib::LagrangianPoints material_points;
     feib::AppendedFile file;
   };
 
@@ -89,7 +98,14 @@ namespace
     , steps(parameters.integer("interval"))
   {
     const auto [kind, place] = parameters.child("at").choice();
-    if (kind == "points")
+    if (kind == "structure")
+      {
+        structure = place.string("name");
+        pointer   = place.pointer();
+        for (unsigned int i = 0; place.has("places/" + std::to_string(i)); ++i)
+          places.push_back(read_point<dim>(place, "places/" + std::to_string(i)));
+      }
+    else if (kind == "points")
       for (unsigned int i = 0; place.has("places/" + std::to_string(i)); ++i)
         {
           points.push_back(read_point<dim>(place, "places/" + std::to_string(i)));
@@ -112,6 +128,8 @@ namespace
   void
   Probe<dim>::check(const feib::CheckContext<dim> &context)
   {
+    if (!structure.empty())
+      find_places(context);
     feib::Issues issues;
     for (const auto &[pointer, point] : given)
       if (!context.space.forest().inside(point))
@@ -126,10 +144,83 @@ namespace
   }
 
 
+  /// The values of an element's shape functions at a reference place.
+  template <int dim>
+  std::vector<double>
+  shape_values(const typename feib::LagrangianMesh<dim>::Element &element,
+               const unsigned int structure_dim,
+               const dealii::Point<dim> &place)
+  {
+    const dealii::Tensor<1, dim> distance = place - element.centroid;
+    std::vector<double> values(structure_dim + 1, 1. / (structure_dim + 1));
+    for (unsigned int k = 0; k <= structure_dim; ++k)
+      for (unsigned int l = 0; l < structure_dim; ++l)
+        values[k] += element.shape_gradients[k][l] * (distance * element.frame[l]);
+    return values;
+  }
+
+
+  template <int dim>
+  void
+  Probe<dim>::find_places(const feib::CheckContext<dim> &context)
+  {
+    std::string names;
+    for (index = 0; index < context.structures.size(); ++index)
+      {
+        const std::string &other = context.structures[index].model->name();
+        if (other == structure)
+          break;
+        names += (names.empty() ? "" : ", ") + other;
+      }
+    if (index == context.structures.size())
+      throw feib::Error(pointer + "/name",
+                        "found \"" + structure + "\"; the structures are " +
+                          (names.empty() ? "none" : names));
+    const feib::LagrangianMesh<dim> &mesh = context.structures[index].model->mesh();
+    material_points                       = {mesh.structure_dim() + 1, {}, {}};
+    for (unsigned int p = 0; p < places.size(); ++p)
+      {
+        // Of the elements that have the place, or nearly, the nearest: a surface is not flat.
+        const typename feib::LagrangianMesh<dim>::Element *best = nullptr;
+        std::vector<double> weights;
+        for (const auto &element : mesh.elements())
+          {
+            const std::vector<double> values =
+              shape_values<dim>(element, mesh.structure_dim(), places[p]);
+            if (*std::min_element(values.begin(), values.end()) < -.01 ||
+                places[p].distance(element.centroid) > element.diameter)
+              continue;
+            if (!best || places[p].distance(element.centroid) < places[p].distance(best->centroid))
+              {
+                best    = &element;
+                weights = values;
+              }
+          }
+        if (!best)
+          {
+            std::ostringstream message;
+            message << "is (" << places[p] << "), where the structure \"" << structure
+                    << "\" has no reference place";
+            throw feib::Error(pointer + "/places/" + std::to_string(p), message.str());
+          }
+        for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
+          {
+            material_points.node.push_back(best->nodes[k]);
+            material_points.weight.push_back(weights[k]);
+          }
+      }
+  }
+
+
   template <int dim>
   void
   Probe<dim>::write(const Snapshot &snapshot)
   {
+    if (!structure.empty())
+      {
+        const auto x = material_points.positions(snapshot.structures[index].model->positions);
+        points.assign(x.begin(), x.end());
+      }
     const std::vector<double> found = values(snapshot.space);
     feib::agree(snapshot.space.communicator(), [&] {
       if (dealii::Utilities::MPI::this_mpi_process(snapshot.space.communicator()) == 0)

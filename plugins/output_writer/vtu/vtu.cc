@@ -70,8 +70,82 @@ namespace
       coordinates.push_back(d < dim ? point[d] : 0.);
   }
 
-  /// A name, and a value for each element.
-  using ElementField = std::pair<std::string, std::vector<double>>;
+  /// Numbers for each element, or each node.
+  struct Field
+  {
+    std::string name;
+    unsigned int n_components;
+    std::vector<double> values;
+  };
+
+  /// F as a matrix of the space, by rows: the part along the structure, which for curves and
+  /// surfaces is all there is.
+  template <int dim>
+  Field
+  deformation_gradient(const feib::LagrangianMesh<dim> &mesh, const feib::Positions<dim> &X)
+  {
+    Field result{"F", 9, std::vector<double>(9 * mesh.n_elements(), 0.)};
+    for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+      {
+        const auto &element = mesh.elements()[e];
+        for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
+          for (unsigned int l = 0; l < mesh.structure_dim(); ++l)
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+                result.values[9 * e + 3 * i + j] +=
+                  X[element.nodes[k]][i] * element.shape_gradients[k][l] * element.frame[l][j];
+      }
+    return result;
+  }
+
+  /// J, the present measure of an element over that of reference.
+  template <int dim>
+  Field
+  stretch(const feib::LagrangianMesh<dim> &mesh, const feib::Positions<dim> &X)
+  {
+    const unsigned int m = mesh.structure_dim();
+    Field result{"J", 1, {}};
+    for (const auto &element : mesh.elements())
+      {
+        Tensor<2, dim> gram; // of the edges from the first node
+        for (unsigned int k = 0; k < dim; ++k)
+          for (unsigned int l = 0; l < dim; ++l)
+            gram[k][l] = k < m && l < m ? (X[element.nodes[k + 1]] - X[element.nodes[0]]) *
+                                            (X[element.nodes[l + 1]] - X[element.nodes[0]])
+                                        : double(k == l);
+        result.values.push_back(std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m) /
+                                element.measure);
+      }
+    return result;
+  }
+
+  /// The elastic stress and sqrt(3/2) |its deviator|.
+  template <int dim>
+  std::vector<Field>
+  stresses(const std::vector<SymmetricTensor<2, dim>> &cauchy)
+  {
+    Field stress{"cauchy_stress", 9, {}}, von_mises{"von_mises_stress", 1, {}};
+    for (const SymmetricTensor<2, dim> &sigma : cauchy)
+      {
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            stress.values.push_back(i < dim && j < dim ? sigma[i][j] : 0.);
+        von_mises.values.push_back(std::sqrt(1.5) * deviator(sigma).norm());
+      }
+    return {stress, von_mises};
+  }
+
+  /// A vector for each node, as three numbers.
+  template <int dim, typename Values>
+  Field
+  nodal_field(const std::string &name, const Values &vectors)
+  {
+    Field result{name, 3, {}};
+    for (const auto &vector : vectors)
+      for (unsigned int d = 0; d < 3; ++d)
+        result.values.push_back(d < dim ? vector[d] : 0.);
+    return result;
+  }
 
   /// A structure at its present place, with its reference coordinates, materials and fields.
   /// Every element has corners of its own: reference coordinates jump across seams.
@@ -79,7 +153,8 @@ namespace
   std::string
   structure_text(const feib::LagrangianMesh<dim> &mesh,
                  const feib::Positions<dim> &X,
-                 const std::vector<ElementField> &fields,
+                 const std::vector<Field> &element_fields,
+                 const std::vector<Field> &nodal_fields,
                  const double time)
   {
     constexpr unsigned int n       = structure_dim + 1;
@@ -114,13 +189,22 @@ namespace
                        std::vector<std::uint8_t>(mesh.n_elements(), types[structure_dim]))
          << "</Cells>\n<PointData>\n"
          << data_array("reference", 3, reference) << data_array("material_id", 1, materials);
-    for (const auto &[name, values] : fields)
-      {
-        std::vector<double> at_corners;
-        for (const double value : values)
-          at_corners.insert(at_corners.end(), n, value);
-        text << data_array(name, 1, at_corners);
-      }
+    const auto add_at_corners = [&](const Field &field, const auto &index) {
+      std::vector<double> at_corners;
+      for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            const auto first = field.values.begin() + index(e, k) * field.n_components;
+            at_corners.insert(at_corners.end(), first, first + field.n_components);
+          }
+      text << data_array(field.name, field.n_components, at_corners);
+    };
+    for (const Field &field : element_fields)
+      add_at_corners(field, [](const unsigned int e, unsigned int) { return e; });
+    for (const Field &field : nodal_fields)
+      add_at_corners(field, [&](const unsigned int e, const unsigned int k) {
+        return mesh.elements()[e].nodes[k];
+      });
     text << "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
     return text.str();
   }
@@ -250,18 +334,32 @@ namespace
     void
     write_structure(const Snapshot &snapshot, const feib::StructureModel<dim> &model)
     {
-      std::vector<ElementField> fields = model.state();
-      fields.insert(fields.begin(), {"energy_density", model.energy_density(model.positions)});
+      const auto &mesh               = model.mesh();
+      const auto &X                  = model.positions;
+      std::vector<Field> of_elements = {{"energy_density", 1, model.energy_density(X)},
+                                        deformation_gradient(mesh, X),
+                                        stretch(mesh, X)};
+      for (Field &stress : stresses<dim>(model.cauchy_stress(X)))
+        of_elements.push_back(std::move(stress));
+      for (auto &[variable, values] : model.state())
+        of_elements.push_back({variable, 1, std::move(values)});
+      feib::NodalField<dim> displacement(X.begin(), X.end());
+      for (unsigned int i = 0; i < displacement.size(); ++i)
+        displacement[i] -= model.initial_positions[i];
+      const std::vector<Field> of_nodes = {nodal_field<dim>("displacement", displacement),
+                                           nodal_field<dim>("velocity", model.velocities)};
       if (Utilities::MPI::this_mpi_process(snapshot.space.communicator()) != 0)
         return;
 
       const std::string name =
         model.name() + "_" + Utilities::int_to_string(snapshot.step, 6) + ".vtu";
-      const auto &mesh       = model.mesh();
-      const auto &X          = model.positions;
+      const auto make = [&](const auto dimension) {
+        return structure_text<decltype(dimension)::value, dim>(
+          mesh, X, of_elements, of_nodes, snapshot.time);
+      };
       const std::string text = mesh.structure_dim() == dim
-                                 ? structure_text<dim, dim>(mesh, X, fields, snapshot.time)
-                                 : structure_text<dim - 1, dim>(mesh, X, fields, snapshot.time);
+                                 ? make(std::integral_constant<int, dim>())
+                                 : make(std::integral_constant<int, dim - 1>());
       write_file(snapshot.directory + "/" + name, text);
       add_to_series(snapshot, model.name(), name);
     }

@@ -2,6 +2,8 @@
 #include <feib/testing/structure_force_kit.h>
 #include <feib/testing/temporary_folder.h>
 
+#include <fstream>
+
 FEIB_TEST_STRUCTURE_FORCE("spring_network");
 
 namespace
@@ -18,15 +20,25 @@ namespace
     force->attach({model.mesh(), model.positions, {}, {0.}});
     return force;
   }
+
+  /// A file of springs.
+  std::string
+  write(const TemporaryFolder &folder, const std::string &text)
+  {
+    const std::string file = folder.path + "/springs.txt";
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      std::ofstream(file) << text;
+    MPI_Barrier(MPI_COMM_WORLD);
+    return file;
+  }
 } // namespace
 
 
 TEST(SpringNetwork, EnergyOfSpringsOfAFile)
 {
   const TemporaryFolder folder;
-  const std::string file =
-    folder.write("springs.txt", "# two springs\n0 5\n\n 2 9 0.1 7 # stiff\n");
-  const auto model = structure_for_forces<2>("closed curve");
+  const std::string file = write(folder, "# two springs\n0 5\n\n 2 9 0.1 7 # stiff\n");
+  const auto model       = structure_for_forces<2>("closed curve");
   const auto force =
     springs(*model, R"({"stiffness": 3, "rest_length": 0.2, "file": ")" + file + "\"}");
   const auto length = [&](const unsigned int i, const unsigned int j) {
@@ -53,8 +65,7 @@ TEST(SpringNetwork, FilesThatWillNotDo)
                                           {"0 -1", ":1: the structure has no node"}})
     try
       {
-        springs(*model,
-                R"({"stiffness": 1, "file": ")" + folder.write("springs.txt", text) + "\"}");
+        springs(*model, R"({"stiffness": 1, "file": ")" + write(folder, text) + "\"}");
         ADD_FAILURE() << text;
       }
     catch (const Error &error)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "initial_state.h"
-#include "moments.h"
 #include "stiffness.h"
 
 #include <feib/body_fault.h>
@@ -33,6 +32,7 @@ namespace feib
     , points(faces.points())
     , node_masses(lumped_masses(parameters, reference_mesh))
   {
+    this->initial_positions = this->positions;
     set_points();
     this->velocities = initial_velocities(parameters, reference_mesh, !node_masses.empty());
     check_initial_positions(parameters);
@@ -84,6 +84,12 @@ namespace feib
     catch (const Error &error)
       {
         issue = {error.issues().front().pointer, error.issues().front().message};
+      }
+    catch (const std::exception &failure)
+      {
+        issue = {"",
+                 "the law \"" + law_name + "\" of structure \"" + structure_name +
+                   "\" fails with its points: " + failure.what()};
       }
     for (const auto &[pointer, message] :
          dealii::Utilities::MPI::all_gather(reference_mesh.communicator(), issue))
@@ -697,7 +703,7 @@ namespace feib
 
 
   template <int structure_dim, int dim>
-  const std::pair<double, dealii::Tensor<1, dim>> &
+  const Moments<dim> &
   ElasticStructure<structure_dim, dim>::measure_moments(const Positions<dim> &X) const
   {
     return last_moments.at(X, [&] { return moments<structure_dim>(reference_mesh, X); });
@@ -708,7 +714,7 @@ namespace feib
   double
   ElasticStructure<structure_dim, dim>::measure(const Positions<dim> &X) const
   {
-    return std::abs(measure_moments(X).first);
+    return std::abs(measure_moments(X).measure);
   }
 
 
@@ -716,8 +722,46 @@ namespace feib
   dealii::Point<dim>
   ElasticStructure<structure_dim, dim>::centroid(const Positions<dim> &X) const
   {
-    const auto [size, moment] = measure_moments(X);
-    return X[0] + moment / size;
+    const Moments<dim> &moments = measure_moments(X);
+    return X[0] + moments.first / moments.measure;
+  }
+
+
+  template <int structure_dim, int dim>
+  dealii::SymmetricTensor<2, dim>
+  ElasticStructure<structure_dim, dim>::second_moments(const Positions<dim> &X) const
+  {
+    const Moments<dim> &moments           = measure_moments(X);
+    const dealii::Tensor<1, dim> centroid = moments.first / moments.measure;
+    return moments.second / moments.measure - symmetrize(outer_product(centroid, centroid));
+  }
+
+
+  template <int structure_dim, int dim>
+  std::vector<dealii::SymmetricTensor<2, dim>>
+  ElasticStructure<structure_dim, dim>::cauchy_stress(const Positions<dim> &X) const
+  {
+    std::vector<Matrix> P;
+    const std::vector<Matrix> F = deformation_gradients(X);
+    evaluate(
+      "stress", [&] { law->stress(F, P); }, P);
+    std::vector<double> entries[dim][dim];
+    for (unsigned int i = 0; i < dim; ++i)
+      for (unsigned int j = 0; j <= i; ++j)
+        {
+          std::vector<double> &entry = entries[i][j];
+          for (unsigned int e = 0; e < F.size(); ++e)
+            entry.push_back(
+              (P[e][i] * F[e][j] + P[e][j] * F[e][i]) / 2 /
+              std::abs(dealii::DerivativeForm<1, structure_dim, dim>(F[e]).determinant()));
+          entry = all_elements(entry);
+        }
+    std::vector<dealii::SymmetricTensor<2, dim>> stress(reference_mesh.n_elements());
+    for (unsigned int e = 0; e < stress.size(); ++e)
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j <= i; ++j)
+          stress[e][i][j] = entries[i][j][e];
+    return stress;
   }
 
 

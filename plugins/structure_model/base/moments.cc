@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "moments.h"
+#include <feib/structure_model/moments.h>
 
 #include <deal.II/base/derivative_form.h>
 
 namespace feib
 {
   template <int structure_dim, int dim>
-  std::pair<double, dealii::Tensor<1, dim>>
+  Moments<dim>
   moments(const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
   {
     constexpr unsigned int m = structure_dim;
     // A closed curve or surface encloses the cones over its elements with a common tip, X[0].
     const bool cones = m < dim && mesh.closed();
-    std::pair<double, dealii::Tensor<1, dim>> result;
+    Moments<dim> result;
     for (const auto &element : mesh.elements())
       {
         dealii::Tensor<2, dim> edges;
         dealii::Tensor<1, dim> sum;
+        dealii::SymmetricTensor<2, dim> squares;
         for (unsigned int k = 0; k <= m; ++k)
-          sum += X[element.nodes[k]] - X[0];
+          {
+            const dealii::Tensor<1, dim> x = X[element.nodes[k]] - X[0];
+            sum += x;
+            squares += symmetrize(outer_product(x, x));
+          }
         double size;
         if (m == dim || cones)
           {
@@ -35,19 +40,18 @@ namespace feib
                 map[i][k] = X[element.nodes[k + 1]][i] - X[element.nodes[0]][i];
             size = map.determinant() / m;
           }
-        result.first += size;
-        result.second += size / (cones ? dim + 1 : m + 1) * sum;
+        // Of a simplex with n corners; that of a cone is X[0].
+        const unsigned int n = cones ? dim + 1 : m + 1;
+        result.measure += size;
+        result.first += size / n * sum;
+        result.second += size / (n * (n + 1)) * (squares + symmetrize(outer_product(sum, sum)));
       }
     return result;
   }
 
 
-  template std::pair<double, dealii::Tensor<1, 2>> moments<1, 2>(const LagrangianMesh<2> &,
-                                                                 const Positions<2> &);
-  template std::pair<double, dealii::Tensor<1, 2>> moments<2, 2>(const LagrangianMesh<2> &,
-                                                                 const Positions<2> &);
-  template std::pair<double, dealii::Tensor<1, 3>> moments<2, 3>(const LagrangianMesh<3> &,
-                                                                 const Positions<3> &);
-  template std::pair<double, dealii::Tensor<1, 3>> moments<3, 3>(const LagrangianMesh<3> &,
-                                                                 const Positions<3> &);
+  template Moments<2> moments<1, 2>(const LagrangianMesh<2> &, const Positions<2> &);
+  template Moments<2> moments<2, 2>(const LagrangianMesh<2> &, const Positions<2> &);
+  template Moments<3> moments<2, 3>(const LagrangianMesh<3> &, const Positions<3> &);
+  template Moments<3> moments<3, 3>(const LagrangianMesh<3> &, const Positions<3> &);
 } // namespace feib

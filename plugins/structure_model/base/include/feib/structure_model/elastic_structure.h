@@ -5,6 +5,7 @@
 #include <feib/constitutive_law.h>
 #include <feib/structure_model.h>
 #include <feib/structure_model/face_loads.h>
+#include <feib/structure_model/moments.h>
 
 #include <array>
 #include <memory>
@@ -93,6 +94,11 @@ namespace feib
 
     dealii::Point<dim> centroid(const Positions<dim> &X) const override;
 
+    dealii::SymmetricTensor<2, dim> second_moments(const Positions<dim> &X) const override;
+
+    std::vector<dealii::SymmetricTensor<2, dim>>
+    cauchy_stress(const Positions<dim> &X) const override;
+
     std::vector<double> energy_density(const Positions<dim> &X) const override;
 
   private:
@@ -158,8 +164,7 @@ namespace feib
     template <typename Action>
     void add_entries(const char *what, const Action &action, MatrixEntries &entries) const;
 
-    /// The measure with its sign, and its first moment about X[0].
-    const std::pair<double, dealii::Tensor<1, dim>> &measure_moments(const Positions<dim> &X) const;
+    const Moments<dim> &measure_moments(const Positions<dim> &X) const;
 
     std::string structure_name;
     Mesh reference_mesh;
@@ -205,7 +210,7 @@ namespace feib
 
     mutable Remembered<double> last_energy;
     mutable Remembered<Stiffness> last_stiffness;
-    mutable Remembered<std::pair<double, dealii::Tensor<1, dim>>> last_moments;
+    mutable Remembered<Moments<dim>> last_moments;
   };
 } // namespace feib
 
