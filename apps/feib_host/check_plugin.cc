@@ -6,6 +6,7 @@
 #include <feib/output_writer.h>
 #include <feib/refinement_strategy.h>
 #include <feib/simulation.h>
+#include <feib/testing/law_declarations.h>
 #include <feib/testing/law_requirements.h>
 #include <feib/testing/trial.h>
 
@@ -188,6 +189,8 @@ namespace feib
         for (const testing::LawRequirement &requirement : testing::law_requirements)
           ask(requirement.sentence,
               [&] { return testing::findings_of(requirement, registry, name); });
+        ask("it behaves as its schema declares",
+            [&] { return testing::check_declarations(registry, name); });
       }
 
       void

@@ -91,3 +91,17 @@ TEST(ConstitutiveLawKitItself, NamesWhatIsWrong)
       EXPECT_TRUE(seen) << asked.name << " was never seen to fail";
     }
 }
+
+TEST(ShippedLaws, DeclareHowTheyBehave)
+{
+  const feib::Schema complete(R"({"required": ["declares"], "properties": {"declares":
+    {"required": ["stress_free", "resists_collapse", "rank_one_convex"]}}})");
+  unsigned int n_laws = 0;
+  for (const auto &entry : feib::testing::registry().entries())
+    if (entry.kind == std::string("constitutive_law") && entry.name != "wrong_law")
+      {
+        EXPECT_TRUE(complete.accepts(entry.schema)) << entry.name;
+        ++n_laws;
+      }
+  EXPECT_GT(n_laws, 0u);
+}

@@ -98,6 +98,22 @@ TEST(Ranks, ThickShellOnAMeshThatFollowsIt)
   compare("elliptic_shell", tight + "--set /time/end=0.03 --set /domain/cells=[8,8]");
 }
 
+// The elements are divided by their order: some ranks have none of one of the materials.
+TEST(Ranks, LawsWithoutElementsOnSomeRanks)
+{
+  compare("stretched_disc",
+          tight + "--set /time/end=0.03 --set /time/step=0.0025 --set /domain/cells=[8,8] --set "
+                  "'/time/integrator={\"lagged_be\": {}}' --set "
+                  "'/structures/0/hyperelastic/mesh={\"rectangle\": {\"lower\": [0.3, 0.3], "
+                  "\"upper\": [0.7, 0.7], \"cells\": [4, 4]}}' --set "
+                  "'/structures/0/hyperelastic/material=s2 > 0.6 ? 1 : 0' --set "
+                  "'/structures/0/hyperelastic/law={\"by_material\": {\"laws\": [{\"materials\": "
+                  "[0], \"law\": {\"neo_hookean\": {\"shear_modulus\": 1}}}, {\"materials\": [1], "
+                  "\"law\": {\"kelvin_voigt\": {\"viscosity\": 0.1, \"law\": {\"mullins_damage\": "
+                  "{\"r\": 2, \"m\": 0.01, \"law\": {\"saint_venant_kirchhoff\": {\"mu\": "
+                  "1}}}}}}}]}}'");
+}
+
 TEST(Ranks, MembraneInAPeriodicBox)
 {
   for (const std::string solver : {"direct", "multigrid"})

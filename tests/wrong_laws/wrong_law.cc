@@ -24,6 +24,7 @@ namespace
 
     explicit WrongLaw(const Parameters &parameters)
       : fault(parameters.string("fault"))
+      , modulus(fault == "declared, but loses convexity" ? -.5 : 1.)
     {}
 
     void
@@ -39,8 +40,8 @@ namespace
       for (unsigned int q = 0; q < F.size(); ++q)
         {
           const double square = trace(C(F[q], F[q]));
-          W[q] =
-            square / 2 + (fault == "energy lacks a term" ? 0. : C(F[q], F[q]).norm_square() / 8);
+          W[q]                = modulus * square / 2 +
+                 (fault == "energy lacks a term" ? 0. : C(F[q], F[q]).norm_square() / 8);
           if (fault == "both negative")
             W[q] *= -1;
           else if (fault == "no energy")
@@ -61,6 +62,7 @@ namespace
       for (unsigned int q = 0; q < F.size(); ++q)
         {
           P[q] = F[q];
+          P[q] *= modulus;
           for (unsigned int i = 0; i < dim; ++i)
             P[q][i] += F[q][i] * C(F[q], F[q]) / 2;
           if (fault == "sign" || fault == "both negative")
@@ -101,6 +103,7 @@ namespace
         {
           if (fault == "not objective")
             continue;
+          dP[q] *= modulus;
           if (fault != "derivative lacks a term")
             for (unsigned int i = 0; i < dim; ++i)
               dP[q][i] +=
@@ -183,16 +186,21 @@ namespace
     }
 
     const std::string fault;
+    const double modulus; // less than 0: W = |C - I|^2/8, free of stress, and not convex
     std::vector<MaterialPoint> points;
   };
 
   std::string
-  schema(const std::string &fault)
+  schema(const std::string &fault,
+         const std::string &declared =
+           R"("stress_free": "never", "resists_collapse": "never", "rank_one_convex": "always")")
   {
     return R"({
     "type": "object", "additionalProperties": false, "description": "A law with a fault.",
     "required": ["fault"],
     "properties": { "fault": { "type": "string", "description": "What is wrong." } },
+    "declares": { )" +
+           declared + R"( },
     "examples": [ { "fault": ")" +
            fault + R"(" } ] })";
   }
@@ -202,6 +210,19 @@ FEIB_PLUGIN("wrong_law", "1.0", registry)
 {
   registry.add<feib::ConstitutiveLaw, WrongLaw>("wrong_law", schema("none"));
 #ifdef FEIB_TEST_FAULTY_EXAMPLES
+  const auto add = [&](std::string fault, const std::string &text) {
+    std::replace(fault.begin(), fault.end(), ' ', '_');
+    std::replace(fault.begin(), fault.end(), ',', '_');
+    registry.add<feib::ConstitutiveLaw, WrongLaw>(fault, text);
+  };
+  for (const auto &[fault, declared] :
+       {std::pair<const char *, const char *>{"declared, stress free",
+                                              R"("stress_free": "always")"},
+        {"declared, resists collapse", R"("resists_collapse": "always")"},
+        {"declared, not convex", R"("rank_one_convex": "never")"},
+        {"declared, both found", R"("rank_one_convex": "sometimes")"},
+        {"declared, unknown", R"("polyconvex": "always")"}})
+    add(fault, schema(fault, declared));
   for (std::string fault : {"sign",
                             "twice",
                             "somewhere",
@@ -227,11 +248,12 @@ FEIB_PLUGIN("wrong_law", "1.0", registry)
                             "viscous, no potential",
                             "viscous, rotation",
                             "not objective"})
-    {
-      const std::string text = schema(fault);
-      std::replace(fault.begin(), fault.end(), ' ', '_');
-      std::replace(fault.begin(), fault.end(), ',', '_');
-      registry.add<feib::ConstitutiveLaw, WrongLaw>(fault, text);
-    }
+    add(fault, schema(fault));
+  add("declared, but loses convexity", schema("declared, but loses convexity"));
+  add(
+    "refused",
+    R"({ "type": "object", "additionalProperties": false, "description": "A law.", "required": ["law"],
+    "properties": { "law": { "slot": "constitutive_law", "description": "The law of what is inside." } },
+    "examples": [ { "law": { "no_such_law": {} } } ] })");
 #endif
 }

@@ -134,7 +134,20 @@ TEST(WrongLaws, CheckPluginNamesEach)
         {"not linear", "linear() is true, but dP depends on F"},
         {"not objective", "W(Q F) is not W(F)"},
         {"not a number at rest", "W is not finite at F = I"},
-        {"half the derivative", "dP is not the derivative of P"}})
+        {"half the derivative", "dP is not the derivative of P"},
+        {"declared, stress free", "the schema declares \"stress_free\": \"always\", but |P| = "},
+        {"declared, resists collapse",
+         "the schema declares \"resists_collapse\": \"always\", but W = "},
+        {"declared, not convex",
+         "the schema declares \"rank_one_convex\": \"never\", but here it is"},
+        {"declared, both found",
+         "the schema declares \"rank_one_convex\": \"sometimes\", but it is for every example"},
+        {"declared, unknown", "the schema, /declares/polyconvex: "},
+        {"declared, but loses convexity",
+         "the schema declares \"rank_one_convex\": \"always\", but d2W/dF2 [a x n, a x n] is -"},
+        {"declared, but loses convexity",
+         "the schema declares \"stress_free\": \"never\", but here it is"},
+        {"refused", "is refused in every dimension: "}})
     EXPECT_NE(said_of(fault).find(sentence), std::string::npos) << said_of(fault);
 }
 

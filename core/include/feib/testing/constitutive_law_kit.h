@@ -3,6 +3,7 @@
 #define feib_testing_constitutive_law_kit_h
 
 #include <feib/testing/examples.h>
+#include <feib/testing/law_declarations.h>
 #include <feib/testing/law_requirements.h>
 
 #include <string>
@@ -36,6 +37,11 @@ namespace feib::testing
   TEST_P(ConstitutiveLawExamples, EveryDimensionHasOne)
   {
     expect_none(check_examples(registry(), GetParam()));
+  }
+
+  TEST_P(ConstitutiveLawExamples, AreAsDeclared)
+  {
+    expect_none(check_declarations(registry(), GetParam()));
   }
 } // namespace feib::testing
 

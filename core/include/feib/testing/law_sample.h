@@ -43,15 +43,8 @@ namespace feib::testing
           for (unsigned int k = 0; k < structure_dim; ++k)
             for (unsigned int i = 0; i < dim; ++i)
               points[q].frame[k][i] = structure_dim == dim ? i == k : Q[i][k];
-          do
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int k = 0; k < structure_dim; ++k)
-                {
-                  F[q][i][k]  = (i == k) + law->tested_strain() / .9 * random();
-                  dF[q][i][k] = law->tested_strain() / .9 * random();
-                }
-          while (dealii::DerivativeForm<1, structure_dim, dim>(F[q]).determinant() < .3);
         }
+      set_gradients();
       set_points(points);
       if (!moment.state.empty())
         {
@@ -64,6 +57,21 @@ namespace feib::testing
           moment.state = updated_state(before);
           law->set_moment(moment);
         }
+    }
+
+    /// Other deformation gradients and directions, within what the law says of tests.
+    void
+    set_gradients()
+    {
+      for (unsigned int q = 0; q < points.size(); ++q)
+        do
+          for (unsigned int i = 0; i < dim; ++i)
+            for (unsigned int k = 0; k < structure_dim; ++k)
+              {
+                F[q][i][k]  = (i == k) + law->tested_strain() / .9 * random();
+                dF[q][i][k] = law->tested_strain() / .9 * random();
+              }
+        while (dealii::DerivativeForm<1, structure_dim, dim>(F[q]).determinant() < .3);
     }
 
     /// Other points, with their initial state.
@@ -223,7 +231,8 @@ namespace feib::testing
              const std::string &name,
              const std::string &example,
              const Check &check,
-             Findings &findings)
+             Findings &findings,
+             std::string &refusal)
     {
       if (!registry.offers<ConstitutiveLaw<structure_dim, dim>>(name))
         return;
@@ -236,8 +245,9 @@ namespace feib::testing
             sample =
               std::make_unique<LawSample<structure_dim, dim>>(registry, name, example, findings);
           }
-        catch (const Error &)
+        catch (const Error &error)
           {
+            refusal = error.issues().front().pointer + ": " + error.issues().front().message;
             return;
           }
         check(*sample);
@@ -248,7 +258,7 @@ namespace feib::testing
 
   /// Calls @p check with a sample of the law in every pair of dimensions it is offered for, and
   /// returns what was found; what is thrown is found too. An example may be refused in some pairs:
-  /// fibres need as many components as the space has dimensions.
+  /// fibres need as many components as the space has dimensions. That it is in all is found too.
   template <typename Check>
   Findings
   for_each_law(const Registry &registry,
@@ -257,10 +267,19 @@ namespace feib::testing
                const Check &check)
   {
     Findings findings;
-    internal::with_law<1, 2>(registry, name, example, check, findings);
-    internal::with_law<2, 2>(registry, name, example, check, findings);
-    internal::with_law<2, 3>(registry, name, example, check, findings);
-    internal::with_law<3, 3>(registry, name, example, check, findings);
+    bool accepted = false;
+    std::string refusal;
+    const auto check_accepted = [&](auto &sample) {
+      accepted = true;
+      check(sample);
+    };
+    internal::with_law<1, 2>(registry, name, example, check_accepted, findings, refusal);
+    internal::with_law<2, 2>(registry, name, example, check_accepted, findings, refusal);
+    internal::with_law<2, 3>(registry, name, example, check_accepted, findings, refusal);
+    internal::with_law<3, 3>(registry, name, example, check_accepted, findings, refusal);
+    findings.place = "";
+    if (!accepted && !refusal.empty())
+      findings.add("the example " + example + " is refused in every dimension: " + refusal);
     return findings;
   }
 } // namespace feib::testing
