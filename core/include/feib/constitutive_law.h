@@ -41,12 +41,14 @@ namespace feib
 
     /// Where a deformation gradient is taken: reference coordinates, the orthonormal frame that the
     /// columns of F refer to (column k: derivative along frame[k]), the material id of the mesh,
-    /// and the data its file has for the element, by name, up to three numbers each.
+    /// its name where the mesh's file has one, and the data its file has for the element, by name,
+    /// up to three numbers each.
     struct MaterialPoint
     {
       dealii::Point<dim> place;
       std::array<dealii::Tensor<1, dim>, structure_dim> frame;
       unsigned int material_id = 0;
+      std::string material;
       std::map<std::string, dealii::Tensor<1, 3>> data;
     };
 

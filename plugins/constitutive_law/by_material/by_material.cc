@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/constitutive_law.h>
+#include <feib/message.h>
 #include <feib/plugin.h>
 #include <feib/registry.h>
 
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
 
 namespace feib
 {
@@ -26,21 +28,21 @@ namespace feib
     explicit ByMaterial(const Parameters &parameters)
       : pointer(parameters.pointer())
     {
-      std::vector<int> all;
+      std::vector<std::string> all;
       for (const Parameters &block : parameters.children("laws"))
         {
           parts.emplace_back();
           Part &part     = parts.back();
           part.pointer   = block.pointer() + "/materials";
-          part.materials = block.integers("materials");
+          part.materials = block.expressions("materials");
           part.law       = block.child("law").create<Law>();
-          for (const int id : part.materials)
+          for (const std::string &material : part.materials)
             {
-              if (std::count(all.begin(), all.end(), id) > 0)
+              if (std::count(all.begin(), all.end(), material) > 0)
                 block.fail("materials",
-                           "lists the material " + std::to_string(id) +
+                           "lists the material " + readable(material) +
                              " a second time; each has one law");
-              all.push_back(id);
+              all.push_back(material);
             }
         }
     }
@@ -52,7 +54,7 @@ namespace feib
       for (Part &part : parts)
         part.points.clear();
       for (unsigned int q = 0; q < points.size(); ++q)
-        part_of(points[q].material_id).points.push_back(q);
+        part_of(points[q]).points.push_back(q);
       for (Part &part : parts)
         part.law->set_points(at(part, points));
     }
@@ -197,26 +199,37 @@ namespace feib
     struct Part
     {
       std::string pointer;
-      std::vector<int> materials;
+      std::vector<std::string> materials; // ids, and names in the mesh file
       std::unique_ptr<Law> law;
       std::vector<unsigned int> points; // indices
       Moment moment;                    // at these
     };
 
     Part &
-    part_of(const unsigned int material_id)
+    part_of(const MaterialPoint &point)
     {
+      const std::string id = std::to_string(point.material_id);
+      const std::string material =
+        id + (point.material.empty() ? "" : " (\"" + readable(point.material) + "\")");
       std::string known;
+      Part *result = nullptr;
       for (Part &part : parts)
-        for (const int id : part.materials)
+        for (const std::string &listed : part.materials)
           {
-            if (id == int(material_id))
-              return part;
-            known += (known.empty() ? "" : ", ") + std::to_string(id);
+            known += (known.empty() ? "" : ", ") + readable(listed);
+            if (listed != id && (listed != point.material || point.material.empty()))
+              continue;
+            if (result && result != &part)
+              throw Error(pointer + "/laws",
+                          "has two laws for the material " + material +
+                            " of the mesh, one by its id and one by its name");
+            result = &part;
           }
-      throw Error(pointer + "/laws",
-                  "has no law for the material " + std::to_string(material_id) +
-                    " of the mesh; there are laws for " + known);
+      if (!result)
+        throw Error(pointer + "/laws",
+                    "has no law for the material " + material +
+                      " of the mesh; there are laws for " + known);
+      return *result;
     }
 
     template <typename Value>

@@ -71,6 +71,40 @@ TEST(ByMaterial, MaterialsWithoutALawAreRefused)
   EXPECT_NE(twice.find("lists the material 0 a second time"), std::string::npos) << twice;
 }
 
+TEST(ByMaterial, MaterialsHaveNames)
+{
+  const std::string named =
+    R"({"materials": ["soft tissue", 3], "law": {"neo_hookean": {"shear_modulus": 1}}}, )" + stiff;
+  auto points        = points_of({7, 1, 3, 1});
+  points[0].material = "soft tissue";
+  points[1].material = "bone";
+  const auto law     = create(named);
+  law->set_points(points);
+  Law::Matrix F;
+  F[0][0] = F[1][1] = 1.1;
+  std::vector<Law::Matrix> P;
+  law->stress({F, F, F, F}, P);
+  for (unsigned int q = 0; q < 4; ++q)
+    EXPECT_NEAR(P[q][0][0], q % 2 == 0 ? 1.1 : 5.5, 1e-14);
+
+  points[2].material_id = 2;
+  points[2].material    = "skin";
+  std::string message   = refusal([&] { law->set_points(points); });
+  EXPECT_NE(message.find(
+              "no law for the material 2 (\"skin\") of the mesh; there are laws for soft "
+              "tissue, 3, 1"),
+            std::string::npos)
+    << message;
+  points[2].material_id = 1;
+  points[2].material    = "soft tissue";
+  message               = refusal([&] { law->set_points(points); });
+  EXPECT_NE(message.find(
+              "has two laws for the material 1 (\"soft tissue\") of the mesh, one by its "
+              "id and one by its name"),
+            std::string::npos)
+    << message;
+}
+
 TEST(ByMaterial, StateIsThatOfTheLaws)
 {
   const auto law = create(
