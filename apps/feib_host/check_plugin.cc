@@ -8,6 +8,7 @@
 #include <feib/simulation.h>
 #include <feib/testing/law_declarations.h>
 #include <feib/testing/law_requirements.h>
+#include <feib/testing/structure_force_requirements.h>
 #include <feib/testing/trial.h>
 
 #include <unistd.h>
@@ -164,6 +165,8 @@ namespace feib
         print(entry.kind + "/" + entry.name + "\n");
         if (entry.kind == ConstitutiveLaw<2, 2>::kind)
           return law(entry.name);
+        if (entry.kind == StructureForce<2>::kind)
+          return force(entry);
         for (const Kind &kind : kinds)
           if (entry.kind == kind.name)
             {
@@ -191,6 +194,14 @@ namespace feib
               [&] { return testing::findings_of(requirement, registry, name); });
         ask("it behaves as its schema declares",
             [&] { return testing::check_declarations(registry, name); });
+      }
+
+      void
+      force(const Registry::Entry &entry)
+      {
+        for (const std::string &example : Schema(entry.schema).examples())
+          ask("the example " + example + ", all that its kit asks",
+              [&] { return testing::check_structure_force(registry, entry.name, example); });
       }
 
       void

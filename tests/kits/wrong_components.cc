@@ -552,6 +552,131 @@ namespace
   };
 
 
+  /// A force around a right one.
+  template <int dim>
+  class WrongForce : public StructureForce<dim>
+  {
+  public:
+    using Body      = typename StructureForce<dim>::Body;
+    using Stiffness = typename StructureForce<dim>::Stiffness;
+
+    explicit WrongForce(const Parameters &parameters)
+      : right(parameters.child("of").create<StructureForce<dim>>())
+      , fault(parameters.string("fault"))
+    {}
+
+    void
+    attach(const Body &body) override
+    {
+      right->attach(body);
+      n_nodes = body.mesh.n_nodes();
+    }
+
+    void
+    set_moment(const double time, const double elapsed) override
+    {
+      right->set_moment(time, elapsed);
+    }
+
+    void
+    update_state(const Positions<dim> &X) override
+    {
+      right->update_state(X);
+      remembered += .1;
+    }
+
+    double
+    energy(const Positions<dim> &X) const override
+    {
+      return right->energy(X);
+    }
+
+    void
+    load(const Positions<dim> &X, NodalField<dim> &load) const override
+    {
+      right->load(X, load);
+      if (fault == "sign" || fault == "factor")
+        for (auto &f : load)
+          f *= fault == "sign" ? -1. : 1.01;
+      if (fault == "throws")
+        throw RunFailure("no load today");
+      if (fault == "forgets")
+        load[0][0] += remembered;
+    }
+
+    void
+    load_derivative(const Positions<dim> &X,
+                    const NodalField<dim> &dX,
+                    NodalField<dim> &dload) const override
+    {
+      right->load_derivative(X, dX, dload);
+      if (fault == "derivative")
+        for (auto &f : dload)
+          f *= 1.001;
+    }
+
+    void
+    tangent(const Positions<dim> &X, MatrixEntries &entries) const override
+    {
+      right->tangent(X, entries);
+      if (fault == "entries")
+        entries.push_back({0, 0, 1.});
+      if (fault == "beyond")
+        entries.push_back({dim * n_nodes, 0, 1.});
+    }
+
+    bool
+    linear() const override
+    {
+      return right->linear() || fault == "linear";
+    }
+
+    bool
+    viscous() const override
+    {
+      return fault != "not viscous" && right->viscous();
+    }
+
+    void
+    viscous_load(const Positions<dim> &X,
+                 const NodalField<dim> &U,
+                 NodalField<dim> &load) const override
+    {
+      right->viscous_load(X, U, load);
+      for (auto &f : load)
+        f *= fault == "drives" ? -1. : fault == "quadratic" ? U[0].norm() : 1.;
+    }
+
+    void
+    viscous_tangent(const Positions<dim> &X, MatrixEntries &entries) const override
+    {
+      right->viscous_tangent(X, entries);
+    }
+
+    void
+    external_load(const Positions<dim> &, NodalField<dim> &load) const override
+    {
+      if (fault == "not external")
+        load[0][0] += 1;
+    }
+
+    Stiffness
+    stiffness(const Positions<dim> &X) const override
+    {
+      Stiffness result = right->stiffness(X);
+      if (fault == "soft")
+        result.nodal /= 1e3;
+      return result;
+    }
+
+  private:
+    const std::unique_ptr<StructureForce<dim>> right;
+    const std::string fault;
+    unsigned int n_nodes = 0;
+    double remembered    = 0;
+  };
+
+
   std::string
   schema(const std::string &kind, const std::string &example)
   {
@@ -585,6 +710,9 @@ FEIB_PLUGIN("wrong_components", "1.0", registry)
   registry.add<ConstitutiveLaw, WrongLaw>(
     "wrong_law",
     schema("constitutive_law", R"({"neo_hookean": {"shear_modulus": 1.5, "stress_free": true}})"));
+  registry.add<StructureForce, WrongForce>(
+    "wrong_force",
+    schema("structure_force", R"({"spring_network": {"stiffness": 2, "damping": 1}})"));
   registry.add<CouplingOperator, WrongCoupling>("wrong_coupling",
                                                 schema("coupling_operator",
                                                        R"({"variational": {}})"));

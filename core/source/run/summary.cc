@@ -19,6 +19,28 @@ namespace feib
 {
   namespace
   {
+    /// What the last row of the ledger says of a structure.
+    template <int dim>
+    void
+    add_last_row(Json &summary, const StructureModel<dim> &model, const Ledger &ledger)
+    {
+      const auto force = [&](const std::string &name) {
+        Json components = Json::array();
+        for (unsigned int a = 0; a < dim; ++a)
+          components.push_back(ledger.last(std::string("force_") + "xyz"[a] + "_" + name));
+        return components;
+      };
+      summary["force"]  = force(model.name());
+      summary["axes"]   = Json::array();
+      for (unsigned int k = 1; k <= dim; ++k)
+        summary["axes"].push_back(ledger.last("axis_" + std::to_string(k) + "_" + model.name()));
+      summary["forces"] = Json::object();
+      for (const std::string &name : model.force_names())
+        summary["forces"][name] = {{"energy", ledger.last("energy_" + model.name() + "_" + name)},
+                                   {"force", force(model.name() + "_" + name)}};
+    }
+
+
     template <int dim>
     Json
     energy_summary(const Accounts<dim> &accounts)
@@ -28,6 +50,7 @@ namespace feib
       const auto &totals   = accounts.totals;
       return {{"kinetic", ledger.last("kinetic")},
               {"elastic", ledger.last("elastic")},
+              {"potential", ledger.last("potential")},
               {"dissipated", ledger.last("dissipated")},
               {"numerical", ledger.last("numerical")},
               {"unexplained", ledger.last("unexplained")},
@@ -98,8 +121,13 @@ namespace feib
         result["energy"] = energy_summary(accounts);
       result["structures"] = Json::array();
       for (unsigned int s = 0; s < components.structures.size(); ++s)
-        result["structures"].push_back(
-          structure_summary(*components.structures[s].model, totals.leak[s], totals.time_error[s]));
+        {
+          const StructureModel<dim> &model = *components.structures[s].model;
+          result["structures"].push_back(
+            structure_summary(model, totals.leak[s], totals.time_error[s]));
+          if (ledger.n_rows() > 0)
+            add_last_row(result["structures"].back(), model, ledger);
+        }
       if (components.exact_velocity && ledger.n_rows() > 0)
         {
           const ErrorNorms norms = error_norms(space,

@@ -191,9 +191,10 @@ namespace feib
                  << " of its elements have another sense than the others";
             warn("folded", shapes.n_turned);
           }
-        const double distance = distance_to_walls(components.space->domain(),
-                                                  model.positions,
-                                                  components.initial_positions[s]);
+        const double distance =
+          distance_to_walls(components.space->domain(),
+                            model.positions,
+                            components.structures[s].model->initial_positions);
         if (distance < .5 * h)
           {
             text << name << " is " << distance

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <sstream>
 
 FEIB_TEST_OUTPUT_WRITER("probe");
@@ -146,5 +147,57 @@ namespace
         EXPECT_EQ(error.issues()[0].message, "is at (0.5 1.5), the box goes from (0 0) to (1 1)");
         EXPECT_EQ(error.issues()[1].pointer, "/at/points/places/2");
       }
+  }
+
+  /// Points of a structure go with it; a curve's place is its first coordinate.
+  TEST(Probe, RidesOnStructures)
+  {
+    TemporaryFolder folder;
+    const auto space = feib::testing::make_space<2>(feib::testing::open_box<2>("[4, 4]"));
+    std::vector<ImmersedStructure<2>> structures(2);
+    structures[0].model = feib::testing::registry().create<StructureModel<2>>(
+      "membrane",
+      R"({"name": "string", "law": {"neo_hookean": {"shear_modulus": 1}},
+          "mesh": {"open_curve": {"length": 1, "elements": 4}}, "initial_position": ["0.2*s1", 0.1]})");
+    structures[1].model = feib::testing::registry().create<StructureModel<2>>(
+      "hyperelastic",
+      R"({"name": "body", "law": {"neo_hookean": {"shear_modulus": 1}},
+          "mesh": {"rectangle": {"lower": [0.1, 0.1], "upper": [0.3, 0.3], "cells": [2, 2]}}})");
+    const CheckContext<2> context{*space, structures, {0.}};
+    const auto make = [&](const std::string &at) {
+      auto writer = feib::testing::registry().create<OutputWriter<2>>(
+        "probe", R"({"name": "a", "at": {"structure": )" + at + "}}");
+      writer->check(context);
+      return writer;
+    };
+    const Ledger ledger;
+    const auto on_string = make(R"({"name": "string", "places": [[0.3, 0], [1, 0]]})");
+    on_string->write({0, 0., folder.path, *space, structures, ledger});
+    const std::string text = folder.read("probe_a.csv");
+    EXPECT_NE(text.find("\n0,0,0,0.06"), std::string::npos) << text;
+    EXPECT_NE(text.find("\n0,0,1,0.2"), std::string::npos) << text;
+
+    TemporaryFolder other;
+    const auto on_body = make(R"({"name": "body", "places": [[0.125, 0.21875]]})");
+    for (dealii::Point<2> &x : structures[1].model->positions)
+      x[0] += x[1];
+    on_body->write({3, .5, other.path, *space, structures, ledger});
+    EXPECT_NE(other.read("probe_a.csv").find("\n3,0.5,0,0.34375,0.21875,"), std::string::npos)
+      << other.read("probe_a.csv");
+
+    for (const auto &[at, sentence] : std::map<std::string, std::string>{
+           {R"({"name": "bodi", "places": [[0, 0]]})",
+            "found \"bodi\"; the structures are string, body"},
+           {R"({"name": "body", "places": [[0.2, 0.2], [0.2, 0.4]]})",
+            "is (0.2 0.4), where the structure \"body\" has no reference place"}})
+      try
+        {
+          make(at);
+          ADD_FAILURE() << at;
+        }
+      catch (const Error &error)
+        {
+          EXPECT_NE(std::string(error.what()).find(sentence), std::string::npos) << error.what();
+        }
   }
 } // namespace

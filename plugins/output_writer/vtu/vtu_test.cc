@@ -192,6 +192,7 @@ namespace
 
     const auto &mesh     = model.mesh();
     const auto density   = model.energy_density(model.positions);
+    const auto stress    = model.cauchy_stress(model.positions);
     const unsigned int n = mesh.structure_dim() + 1;
     ASSERT_EQ(vtu["types"].size(), mesh.n_elements());
     ASSERT_EQ(vtu["connectivity"].size(), n * mesh.n_elements());
@@ -204,6 +205,26 @@ namespace
             const unsigned int point = vtu["connectivity"][n * e + k];
             EXPECT_EQ(vtu.point<dim>(point), model.positions[element.nodes[k]]);
             EXPECT_EQ(vtu["energy_density"][point], density[e]);
+            // x_0 has become x_0 + x_1^2/8.
+            const Point<dim> &X = model.positions[element.nodes[k]];
+            EXPECT_NEAR(vtu["displacement"][3 * point], .125 * X[1] * X[1], 1e-15);
+            EXPECT_EQ(vtu["displacement"][3 * point + 1], 0);
+            // F takes the step between two reference corners to that between their places.
+            const unsigned int next = vtu["connectivity"][n * e + (k + 1) % n];
+            for (unsigned int i = 0; i < dim; ++i)
+              {
+                double step = 0;
+                for (unsigned int j = 0; j < dim; ++j)
+                  step += vtu["F"][9 * point + 3 * i + j] *
+                          (vtu["reference"][3 * next + j] - vtu["reference"][3 * point + j]);
+                EXPECT_NEAR(step, vtu.point<dim>(next)[i] - vtu.point<dim>(point)[i], 1e-14);
+              }
+            for (unsigned int i = 0; i < dim; ++i)
+              for (unsigned int j = 0; j < dim; ++j)
+                EXPECT_EQ(vtu["cauchy_stress"][9 * point + 3 * i + j], stress[e][i][j]);
+            EXPECT_NEAR(vtu["von_mises_stress"][point],
+                        std::sqrt(1.5) * deviator(stress[e]).norm(),
+                        1e-14);
             EXPECT_EQ(vtu["material_id"][point], element.material_id);
             // The gradient of a shape function takes the step between two corners to 1 or 0.
             for (unsigned int i = 0; i < n; ++i)

@@ -38,7 +38,7 @@ TEST(SpringNetwork, EnergyOfSpringsOfAFile)
 {
   const TemporaryFolder folder;
   const std::string file = write(folder, "# two springs\n0 5\n\n 2 9 0.1 7 # stiff\n");
-  const auto model       = structure_for_forces<2>("closed curve");
+  const auto model       = structure_for_forces<2>(registry(), "closed curve");
   const auto force =
     springs(*model, R"({"stiffness": 3, "rest_length": 0.2, "file": ")" + file + "\"}");
   const auto length = [&](const unsigned int i, const unsigned int j) {
@@ -53,7 +53,7 @@ TEST(SpringNetwork, EnergyOfSpringsOfAFile)
 TEST(SpringNetwork, FilesThatWillNotDo)
 {
   const TemporaryFolder folder;
-  const auto model = structure_for_forces<2>("closed curve");
+  const auto model = structure_for_forces<2>(registry(), "closed curve");
   for (const auto &[text, sentence] :
        std::map<std::string, std::string>{{"", "has no springs"},
                                           {"0\n", ":1: lacks the numbers of two nodes"},
@@ -79,7 +79,7 @@ TEST(SpringNetwork, FilesThatWillNotDo)
 /// A spring that was too long is gone, until an archive brings it back.
 TEST(SpringNetwork, SpringsBreak)
 {
-  const auto model    = structure_for_forces<2>("closed curve");
+  const auto model    = structure_for_forces<2>(registry(), "closed curve");
   const auto force    = springs(*model, R"({"stiffness": 1, "breaking_stretch": 1.5})");
   Positions<2> pulled = model->positions;
   pulled[0][0] += .3;

@@ -365,3 +365,29 @@ TEST(Membrane, SaysWhatIsWrong)
              "/initial_position: does not close"));
   EXPECT_TRUE(contains(error_of<3>(component, sphere(1), linear), "/fibres: is empty"));
 }
+
+
+/// The half axes of what is enclosed, or of the curve itself.
+TEST(Membrane, SecondMoments)
+{
+  const auto ellipse = registry().create<StructureModel<2>>(
+    "membrane", R"j({"name": "a", "law": {"neo_hookean": {"shear_modulus": 1}},
+    "mesh": {"closed_curve": {"length": 1, "elements": 400}},
+    "initial_position": ["3 + 0.8*0.4*cos(2*pi*s1) - 0.6*0.1*sin(2*pi*s1)",
+                         "7 + 0.6*0.4*cos(2*pi*s1) + 0.8*0.1*sin(2*pi*s1)"]})j");
+  const auto axes = eigenvectors(ellipse->second_moments(ellipse->positions));
+  EXPECT_NEAR(std::sqrt(4 * axes[0].first), .4, 1e-4);
+  EXPECT_NEAR(std::sqrt(4 * axes[1].first), .1, 1e-4);
+  EXPECT_NEAR(std::abs(axes[0].second[0]), .8, 1e-6);
+  const auto line = registry().create<StructureModel<2>>(
+    "membrane", R"j({"name": "a", "law": {"neo_hookean": {"shear_modulus": 1}},
+    "mesh": {"open_curve": {"length": 1, "elements": 3}}, "initial_position": ["2 + s1", 5]})j");
+  EXPECT_NEAR(line->second_moments(line->positions)[0][0], 1. / 12, 1e-14);
+  const auto sphere = registry().create<StructureModel<3>>(
+    "membrane", R"j({"name": "a", "law": {"neo_hookean": {"shear_modulus": 1}},
+    "mesh": {"sphere": {"centre": [2, 0, 1], "radius": 0.5, "refinements": 3}},
+    "initial_position": ["2 + 2*(s1 - 2)", "s2", "s3"]})j");
+  const auto half = eigenvectors(sphere->second_moments(sphere->positions));
+  EXPECT_NEAR(std::sqrt(5 * half[0].first), 1, .01);
+  EXPECT_NEAR(std::sqrt(5 * half[2].first), .5, .005);
+}
