@@ -20,6 +20,14 @@ namespace feib
     /// values up to date. Throws RunFailure where F is not defined (an inverted element).
     virtual void evaluate(const VelocityVector &u, VelocityVector &load) = 0;
 
+    /// Of the forces that evaluate() has added up last, which may cancel, the norm of the largest:
+    /// what is left of a sum that should be nothing is judged by it.
+    virtual double
+    largest_part() const
+    {
+      return 0;
+    }
+
     /// dst += - dF/du [du], over the degrees of freedom as in evaluate(); constraints count as
     /// homogeneous.
     virtual void apply(VelocityVector &dst, const VelocityVector &du) const = 0;

@@ -30,8 +30,8 @@ namespace feib
           components.push_back(ledger.last(std::string("force_") + "xyz"[a] + "_" + name));
         return components;
       };
-      summary["force"]  = force(model.name());
-      summary["axes"]   = Json::array();
+      summary["force"] = force(model.name());
+      summary["axes"]  = Json::array();
       for (unsigned int k = 1; k <= dim; ++k)
         summary["axes"].push_back(ledger.last("axis_" + std::to_string(k) + "_" + model.name()));
       summary["forces"] = Json::object();

@@ -70,7 +70,8 @@ namespace feib
     double
     distance_to_walls(const Domain<dim> &domain,
                       const Positions<dim> &X,
-                      const Positions<dim> &initial)
+                      const Positions<dim> &initial,
+                      const double near)
     {
       double result = std::numeric_limits<double>::infinity();
       for (unsigned int a = 0; a < dim; ++a)
@@ -78,10 +79,18 @@ namespace feib
           if (domain.periodic(a))
             continue;
           const double touching = 1e-9 * (domain.upper[a] - domain.lower[a]);
-          for (unsigned int i = 0; i < X.size(); ++i)
-            if (initial[i][a] - domain.lower[a] > touching &&
-                domain.upper[a] - initial[i][a] > touching)
-              result = std::min({result, X[i][a] - domain.lower[a], domain.upper[a] - X[i][a]});
+          for (const double sign : {1., -1.})
+            {
+              const double wall = sign > 0 ? domain.lower[a] : domain.upper[a];
+              const auto from   = [&](const dealii::Point<dim> &x) { return sign * (x[a] - wall); };
+              // What stands on the wall begins near it.
+              const bool stands = std::any_of(initial.begin(), initial.end(), [&](const auto &x) {
+                return from(x) <= touching;
+              });
+              for (unsigned int i = 0; i < X.size(); ++i)
+                if (from(initial[i]) > (stands ? near : touching))
+                  result = std::min(result, from(X[i]));
+            }
         }
       return result;
     }
@@ -191,10 +200,10 @@ namespace feib
                  << " of its elements have another sense than the others";
             warn("folded", shapes.n_turned);
           }
-        const double distance =
-          distance_to_walls(components.space->domain(),
-                            model.positions,
-                            components.structures[s].model->initial_positions);
+        const double distance = distance_to_walls(components.space->domain(),
+                                                  model.positions,
+                                                  components.structures[s].model->initial_positions,
+                                                  .5 * h);
         if (distance < .5 * h)
           {
             text << name << " is " << distance

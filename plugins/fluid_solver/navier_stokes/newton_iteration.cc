@@ -59,7 +59,7 @@ namespace feib
         step.implicit_load->evaluate(space.velocity, load);
         result.momentum += load;
         space.condense(load);
-        result.implicit_load = load.l2_norm();
+        result.implicit_load = std::max(load.l2_norm(), step.implicit_load->largest_part());
       }
     // Where the velocity is prescribed, what is left over is the reaction; elsewhere nothing is.
     result.reaction = result.momentum;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/time_integrator/structure_load.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace feib
 {
   namespace
@@ -55,12 +58,16 @@ namespace feib
   StructureLoad<dim>::evaluate(const VelocityVector &u, VelocityVector &load)
   {
     NodalField<dim> U, force, viscous;
+    largest = 0;
     for (unsigned int s = 0; s < moved.size(); ++s)
       {
         if (!acts(s))
           continue;
         const ImmersedStructure<dim> &structure = system.structures[s];
         structure.motion->interpolate(system.space, u, U);
+        for (const NodalField<dim> &part :
+             structure.model->force_loads(moved_by(s, U), geometry[s], U))
+          largest = std::max(largest, std::sqrt(part * part));
         force = NodalField<dim>(structure.model->load_points());
         if (elastic)
           {
@@ -76,6 +83,14 @@ namespace feib
         structure.spreading().spread(system.space, force, load);
       }
     Inertia::evaluate(u, load);
+  }
+
+
+  template <int dim>
+  double
+  StructureLoad<dim>::largest_part() const
+  {
+    return largest;
   }
 
 

@@ -30,6 +30,10 @@ namespace feib
 
     void evaluate(const VelocityVector &u, VelocityVector &load) override;
 
+    /// Of the forces on structures (StructureForce), as norms over the nodes: a body that is held
+    /// has the fluid's forces, and springs against them.
+    double largest_part() const override;
+
     void apply(VelocityVector &dst, const VelocityVector &du) const override;
 
     bool linear() const override;
@@ -55,6 +59,7 @@ namespace feib
     const bool elastic;
     std::vector<Positions<dim>> moved;   // where F was evaluated last
     std::vector<NodalField<dim>> forces; // F there
+    double largest = 0;                  // of what StructureForces do there
   };
 } // namespace feib
 
