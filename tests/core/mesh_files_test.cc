@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Meshes of other people's kinds: each is read right or refused with a sentence.
 #include "elastic_structure_test.h"
+
+#include <feib/structure_force.h>
+
 #include "vtk_writers.h"
 
 #include <deal.II/grid/grid_generator.h>
@@ -460,4 +463,33 @@ TEST(MeshFiles, WhatDealIIWrites)
 {
   check_what_deal_ii_writes<2>();
   check_what_deal_ii_writes<3>();
+}
+
+// A force on the elements of a group, by its name.
+TEST(MeshFiles, ForcesActOnNamedGroups)
+{
+  const TemporaryFile file(marked(square(2)).format_4());
+  const auto model = make_model<2>(body, gmsh(file), neo_hookean);
+  const auto total = [&](const std::string &material) {
+    const auto force = registry().create<StructureForce<2>>(
+      "traction", R"({"force": [2, -1], "on": {"materials": [)" + material + "]}}");
+    force->attach({model->mesh(), model->positions, {}, {0.}});
+    NodalField<2> result(model->mesh());
+    force->load(model->positions, result);
+    return result.sum([&](const unsigned int i) { return result[i]; });
+  };
+  for (const char *const material : {"3", "\"soft tissue\""})
+    EXPECT_LT((total(material) - dealii::Tensor<1, 2>({1, -.5})).norm(), 1e-14) << material;
+  try
+    {
+      total(R"(3, "soft")");
+      ADD_FAILURE();
+    }
+  catch (const Error &error)
+    {
+      EXPECT_TRUE(contains(error.what(),
+                           R"(/on/materials/1: found "soft"; the materials of the mesh have the )"
+                           R"(names "soft tissue", "stiff")"))
+        << error.what();
+    }
 }

@@ -368,6 +368,16 @@ TEST(Verdict, DoubtfulGeometryIsSaid)
   EXPECT_TRUE(run(disc, centred("0.23")).warned("near_wall"));
   EXPECT_FALSE(run(disc, centred("0")).warned("near_wall"));
   EXPECT_TRUE(run(disc, rest + "--set /domain/cells=[32,32]").warned("long_elements"));
+  // How long is too long is a matter of the coupling.
+  const std::string finer = rest + "--set /domain/cells=[16,16] ";
+  EXPECT_FALSE(run(disc, finer).warned("long_elements"));
+  const CaseRun variational = run(disc, finer + "--set '/coupling={\"variational\": {}}'");
+  EXPECT_TRUE(variational.warned("long_elements"));
+  EXPECT_TRUE(
+    holds(variational.output,
+          "long, the smallest cells of the fluid are 0.0625: with this coupling an element "
+          "may be at most 1 times as long; use a finer mesh of the structure"))
+    << variational.output;
   const CaseRun folded =
     run(disc,
         rest + "--set '/structures/0/hyperelastic/initial_position=[\"0.4+abs(s1-0.5)\", \"s2\"]'");

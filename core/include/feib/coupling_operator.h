@@ -52,6 +52,15 @@ namespace feib
     /// J as entries: row = point * dim + component, column = global velocity unknown (constrained
     /// ones too), those of this rank's cells. For preconditioners of implicit schemes.
     virtual MatrixEntries entries(const EulerianSpace<dim> &space) const = 0;
+
+    /// How many of the smallest cells of the fluid an element of the structure may be long before
+    /// volume or accuracy suffers: longer ones are a warning of the run. Points that see the flow
+    /// only where they are miss what passes between them.
+    virtual double
+    longest_element() const
+    {
+      return 1;
+    }
   };
 } // namespace feib
 

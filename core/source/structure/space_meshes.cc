@@ -15,8 +15,6 @@ namespace feib
     using dealii::Point;
     using dealii::Tensor;
 
-    // --- dim = 3
-
     LagrangianMesh<3>
     box(const Parameters &block)
     {
@@ -45,8 +43,58 @@ namespace feib
       return builder.build(3);
     }
 
-    /// The icosahedron (solid: with its centre, 20 tetrahedra), refined by halving all edges. New
-    /// nodes are pushed out to the mean distance of the edge's ends, so shells stay spherical.
+    /// The elements with all edges halved. New nodes are pushed out to the mean distance of the
+    /// edge's ends from the origin.
+    std::vector<std::vector<unsigned int>>
+    finer(Builder<3> &builder, const std::vector<std::vector<unsigned int>> &elements)
+    {
+      std::map<std::pair<unsigned int, unsigned int>, unsigned int> middles;
+      const auto middle = [&](const unsigned int a, const unsigned int b) {
+        const auto [found, is_new] = middles.try_emplace(std::minmax(a, b));
+        if (is_new)
+          {
+            const Point<3> x = builder.nodes[a], y = builder.nodes[b];
+            const Tensor<1, 3> sum = Tensor<1, 3>(x) + Tensor<1, 3>(y);
+            found->second = builder.node(Point<3>(sum / sum.norm() * (x.norm() + y.norm()) / 2));
+          }
+        return found->second;
+      };
+      std::vector<std::vector<unsigned int>> result;
+      for (const auto &v : elements)
+        {
+          const unsigned int ab = middle(v[0], v[1]), bc = middle(v[1], v[2]),
+                             ca = middle(v[2], v[0]);
+          if (v.size() == 3)
+            {
+              result.push_back({v[0], ab, ca});
+              result.push_back({v[1], bc, ab});
+              result.push_back({v[2], ca, bc});
+              result.push_back({ab, bc, ca});
+              continue;
+            }
+          const unsigned int ad = middle(v[0], v[3]), bd = middle(v[1], v[3]),
+                             cd = middle(v[2], v[3]);
+          result.push_back({v[0], ab, ca, ad});
+          result.push_back({v[1], ab, bc, bd});
+          result.push_back({v[2], ca, bc, cd});
+          result.push_back({v[3], ad, bd, cd});
+          // The octahedron in the middle, cut along its shortest diagonal: ends, and the four
+          // other nodes in a circle.
+          std::array<std::array<unsigned int, 6>, 3> cuts{
+            {{{ab, cd, bc, bd, ad, ca}}, {{bc, ad, ab, bd, cd, ca}}, {{ca, bd, ab, bc, cd, ad}}}};
+          const auto shortest =
+            std::min_element(cuts.begin(), cuts.end(), [&](const auto &p, const auto &q) {
+              return builder.nodes[p[0]].distance(builder.nodes[p[1]]) <
+                     builder.nodes[q[0]].distance(builder.nodes[q[1]]) * (1 - 1e-10);
+            });
+          for (unsigned int k = 0; k < 4; ++k)
+            result.push_back(
+              {(*shortest)[0], (*shortest)[1], (*shortest)[2 + k], (*shortest)[2 + (k + 1) % 4]});
+        }
+      return result;
+    }
+
+    /// The icosahedron (solid: with its centre, 20 tetrahedra), refined; shells stay spherical.
     LagrangianMesh<3>
     icosahedral(const Parameters &block, const bool solid)
     {
@@ -83,56 +131,7 @@ namespace feib
         }
 
       for (unsigned int r = 0; r < refinements; ++r)
-        {
-          std::map<std::pair<unsigned int, unsigned int>, unsigned int> middles;
-          const auto middle = [&](const unsigned int a, const unsigned int b) {
-            const auto [found, is_new] = middles.try_emplace(std::minmax(a, b));
-            if (is_new)
-              {
-                const Point<3> x = builder.nodes[a], y = builder.nodes[b];
-                const Tensor<1, 3> sum = Tensor<1, 3>(x) + Tensor<1, 3>(y);
-                found->second =
-                  builder.node(Point<3>(sum / sum.norm() * (x.norm() + y.norm()) / 2));
-              }
-            return found->second;
-          };
-          std::vector<std::vector<unsigned int>> finer;
-          for (const auto &v : elements)
-            {
-              const unsigned int ab = middle(v[0], v[1]), bc = middle(v[1], v[2]),
-                                 ca = middle(v[2], v[0]);
-              if (!solid)
-                {
-                  finer.push_back({v[0], ab, ca});
-                  finer.push_back({v[1], bc, ab});
-                  finer.push_back({v[2], ca, bc});
-                  finer.push_back({ab, bc, ca});
-                  continue;
-                }
-              const unsigned int ad = middle(v[0], v[3]), bd = middle(v[1], v[3]),
-                                 cd = middle(v[2], v[3]);
-              finer.push_back({v[0], ab, ca, ad});
-              finer.push_back({v[1], ab, bc, bd});
-              finer.push_back({v[2], ca, bc, cd});
-              finer.push_back({v[3], ad, bd, cd});
-              // The octahedron in the middle, cut along its shortest diagonal: ends, and the four
-              // other nodes in a circle.
-              std::array<std::array<unsigned int, 6>, 3> cuts{{{{ab, cd, bc, bd, ad, ca}},
-                                                               {{bc, ad, ab, bd, cd, ca}},
-                                                               {{ca, bd, ab, bc, cd, ad}}}};
-              const auto shortest =
-                std::min_element(cuts.begin(), cuts.end(), [&](const auto &p, const auto &q) {
-                  return builder.nodes[p[0]].distance(builder.nodes[p[1]]) <
-                         builder.nodes[q[0]].distance(builder.nodes[q[1]]) * (1 - 1e-10);
-                });
-              for (unsigned int k = 0; k < 4; ++k)
-                finer.push_back({(*shortest)[0],
-                                 (*shortest)[1],
-                                 (*shortest)[2 + k],
-                                 (*shortest)[2 + (k + 1) % 4]});
-            }
-          elements = std::move(finer);
-        }
+        elements = finer(builder, elements);
       for (Point<3> &x : builder.nodes)
         x = centre + radius * Tensor<1, 3>(x);
       for (const auto &element : elements)

@@ -180,11 +180,13 @@ namespace feib
           verdict.warn(kind, time, value, text.str());
           text.str("");
         };
-        if (shapes.longest > 3 * h)
+        const double bearable = components.structures[s].motion->longest_element();
+        if (shapes.longest > bearable * h)
           {
             text << "element " << shapes.longest_element << " of " << name << " is "
                  << shapes.longest << " long, the smallest cells of the fluid are " << h
-                 << ": use a finer mesh of the structure";
+                 << ": with this coupling an element may be at most " << bearable
+                 << " times as long; use a finer mesh of the structure";
             warn("long_elements", shapes.longest / h);
           }
         if (shapes.flattest < .05)

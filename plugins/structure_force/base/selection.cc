@@ -1,14 +1,42 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/expression.h>
+#include <feib/message.h>
 #include <feib/structure_force/selection.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 namespace feib
 {
   namespace
   {
+    /// The ids of the materials asked for: what the mesh's file calls so, else numbers.
+    template <int dim>
+    std::vector<unsigned int>
+    materials_of(const Parameters &on, const LagrangianMesh<dim> &mesh)
+    {
+      std::vector<unsigned int> ids;
+      for (const std::string &material : on.expressions("materials"))
+        if (const auto named = mesh.material_names().find(material);
+            named != mesh.material_names().end())
+          ids.push_back(named->second);
+        else if (material.find_first_not_of("0123456789") == std::string::npos &&
+                 !material.empty() && material.size() < 10)
+          ids.push_back(std::stoul(material));
+        else
+          {
+            std::string known;
+            for (const auto &[name, id] : mesh.material_names())
+              known += (known.empty() ? "" : ", ") + ('"' + readable(name) + '"');
+            on.fail("materials/" + std::to_string(ids.size()),
+                    "found \"" + readable(material) + "\"; the materials of the mesh have " +
+                      (known.empty() ? "no names" : "the names " + known));
+          }
+      return ids;
+    }
+
+
     /// Whether each element is of the materials asked for.
     template <int dim>
     std::vector<bool>
@@ -17,12 +45,12 @@ namespace feib
       if (!on.has("materials"))
         return std::vector<bool>(mesh.n_elements(), true);
       std::vector<bool> chosen(mesh.n_elements(), false);
-      const std::vector<int> materials = on.integers("materials");
+      const std::vector<unsigned int> materials = materials_of(on, mesh);
       for (unsigned int k = 0; k < materials.size(); ++k)
         {
           bool found = false;
           for (unsigned int e = 0; e < chosen.size(); ++e)
-            if (mesh.elements()[e].material_id == static_cast<unsigned int>(materials[k]))
+            if (mesh.elements()[e].material_id == materials[k])
               chosen[e] = found = true;
           if (!found)
             on.fail("materials/" + std::to_string(k),

@@ -116,4 +116,7 @@ TEST(Traction, WhatWillNotDo)
     refusal("body", R"j({"force": [1, 0], "on": {"where": "1/(s1 - 0.5)"}})j").find("finite"),
     std::string::npos);
   EXPECT_EQ(refusal("body", R"j({"force": ["log(0.5 - t)", 0]})j"), "none");
+  EXPECT_NE(refusal("body", R"({"force": [1, 0], "on": {"materials": [0, "skin"]}})")
+              .find("found \"skin\"; the materials of the mesh have no names"),
+            std::string::npos);
 }
