@@ -493,3 +493,34 @@ TEST(MeshFiles, ForcesActOnNamedGroups)
         << error.what();
     }
 }
+
+// The groups' names stand for their numbers in the case.
+TEST(MeshFiles, MaterialsHaveTheNamesOfGroups)
+{
+  const auto by_material = [](const std::string &materials) {
+    return R"({"by_material": {"laws": [{"materials": [)" + materials +
+           R"(], "law": {"neo_hookean": {"shear_modulus": 2}}},
+               {"materials": [7], "law": {"neo_hookean": {"shear_modulus": 20}}}]}})";
+  };
+  const Mesh mesh = marked(square(2));
+  for (const Encoding encoding : encodings)
+    for (const std::string &text : {mesh.format_2(encoding), mesh.format_4(encoding)})
+      {
+        const TemporaryFile file(text);
+        const std::string slot = gmsh(file);
+        const auto named       = make_model<2>(body, slot, by_material(R"("soft tissue")"));
+        const auto numbered    = make_model<2>(body, slot, by_material("3"));
+        EXPECT_EQ(named->mesh().material_names(),
+                  (std::map<std::string, unsigned int>{{"soft tissue", 3}, {"stiff", 7}}));
+        const Positions<2> X = shaken(*named);
+        EXPECT_GT(named->energy(X), 0);
+        EXPECT_EQ(named->energy(X), numbered->energy(X));
+        EXPECT_TRUE(contains(error_of<2>(body, slot, by_material(R"("soft")")),
+                             "has no law for the material 3 (\"soft tissue\") of the mesh; there "
+                             "are laws for soft, 7"));
+        // Where the case says what the materials are, the names are void.
+        EXPECT_TRUE(
+          contains(error_of<2>(body, slot, by_material(R"("soft tissue")"), R"("material": 3)"),
+                   "has no law for the material 3 of the mesh"));
+      }
+}
