@@ -74,6 +74,45 @@ TEST(RunFailure, APeriodicBoxHasNoOutsideButElementsAreNotLongerThanIt)
   EXPECT_TRUE(holds(run.output, "one of its elements is longer than the box")) << run.output;
 }
 
+/// A ring in a stream comes where its coupling is not made for.
+TEST(RunFailure, AStructureThatComesWhereItsCouplingRefusesItIsTold)
+{
+  const TemporaryFolder folder;
+  folder.write("case.json", R"json({
+    "dimension": 2,
+    "domain": { "cells": [8, 8], "boundary": {
+      "x_min": { "velocity": { "value": ["1", "0"] } }, "x_max": { "outflow": {} },
+      "y_min": { "free_slip": {} }, "y_max": { "free_slip": {} } } },
+    "fluid": { "navier_stokes": { "density": 1, "viscosity": 1, "convection": "none",
+                                  "initial_velocity": ["1", "0"] } },
+    "structures": [ { "membrane": { "name": "ring",
+      "mesh": { "closed_curve": { "length": 0.5, "elements": 16 } },
+      "initial_position": ["0.5 + 0.08*cos(4*pi*s1)", "0.5 + 0.08*sin(4*pi*s1)"],
+      "law": { "anisotropic_linear": { "stiffness": 0.001 } } } } ],
+    "coupling": { "regularised_delta": {} },
+    "time": { "step": 0.05, "end": 2, "control": { "fixed": { "minimum_step": 0.05 } } }
+  })json");
+  for (const unsigned int ranks : {1, 2})
+    {
+      const RunResult run =
+        run_host("case.json --overwrite --output out", ranks, folder.path.string());
+      EXPECT_EQ(run.exit_code, 1) << run.output;
+      const std::string why = "nearer to a side of the box than the kernel of the coupling reaches";
+      EXPECT_TRUE(holds(run.output, why)) << run.output;
+      const auto summary = read_json(folder / "out/summary.json");
+      EXPECT_EQ(summary["status"], "failed");
+      EXPECT_TRUE(holds(summary["message"], why));
+      EXPECT_GT(summary["steps"], 0);
+    }
+  // With the correction it goes on until it is out of the box.
+  const RunResult run = run_host("case.json --overwrite --output out"
+                                 " --set /coupling/regularised_delta/reproducing=true",
+                                 1,
+                                 folder.path.string());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(holds(run.output, "outside the box")) << run.output;
+}
+
 TEST(RunFailure, AFileThatCannotBeWrittenIsNamed)
 {
   for (const std::string file : {"ledger.csv", "fluid.pvd", "summary.json"})

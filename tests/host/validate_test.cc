@@ -586,3 +586,23 @@ TEST_F(Validate, AFluxMismatchOfTheInterpolationInOtherBoxes)
       EXPECT_EQ(read_json(folder / "out/summary.json")["retries"], 0);
     }
 }
+
+/// What a coupling refuses at the start of a run it refuses before.
+TEST_F(Validate, ACouplingThatIsNotMadeForTheGeometryIsRefused)
+{
+  json description            = small();
+  description["structures"]   = {disc()};
+  description["coupling"]     = {{"regularised_delta", json::object()}};
+  const std::string structure = "error: /coupling: refuses the structure \"disc\": point ";
+  refused(description,
+          {{structure, "nearer to a side of the box than the kernel", "0.5;", "\"reproducing\""}});
+  description["domain"]["cells"]    = {16, 16};
+  description["domain"]["boundary"] = json::object();
+  accepted(description);
+  // The kernel reaches beyond the refined cells.
+  description["domain"]["cells"] = {8, 8};
+  description["refinement"]      = {{"immersed_cells", {{"level", 1}, {"buffer", 0}}}};
+  refused(description, {{structure, "reaches cells of another size", "\"reproducing\""}});
+  description["coupling"]["regularised_delta"]["reproducing"] = true;
+  accepted(description);
+}

@@ -256,6 +256,26 @@ namespace feib
       collect(issues, [&] { writer->check(context); });
     for (Expressions<dim> *exact : exact_expressions)
       add(issues_inside(*space, *exact, end));
+    // When all else is right: couplings rely on structures inside the box.
+    if (issues.empty())
+      for (const ImmersedStructure<dim> &structure : structures)
+        collect(issues, [&] { check_coupling(structure); });
+  }
+
+
+  template <int dim>
+  void
+  Components<dim>::check_coupling(const ImmersedStructure<dim> &structure) const
+  {
+    try
+      {
+        structure.set_geometry(*space, structure.model->positions);
+      }
+    catch (const RunFailure &failure)
+      {
+        throw Error("/coupling",
+                    "refuses the structure \"" + structure.model->name() + "\": " + failure.what());
+      }
   }
 
 

@@ -54,6 +54,7 @@ namespace feib
     void build_exact(const Parameters &parameters, Issues &issues);
     void make_mesh(const CheckContext<dim> &context, Issues &issues);
     void check(const CheckContext<dim> &context, double end, Issues &issues);
+    void check_coupling(const ImmersedStructure<dim> &structure) const;
 
     std::vector<Expressions<dim> *> exact_expressions; // those of the two that the case gives
   };

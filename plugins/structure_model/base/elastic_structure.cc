@@ -71,6 +71,9 @@ namespace feib
         material_points.emplace_back();
         material_points.back().place       = element.centroid;
         material_points.back().material_id = element.material_id;
+        for (const auto &[name, id] : reference_mesh.material_names())
+          if (id == element.material_id)
+            material_points.back().material = name;
         for (unsigned int k = 0; k < m; ++k)
           material_points.back().frame[k] = element.frame[k];
         for (const auto &[data, values] : reference_mesh.element_data())
