@@ -32,6 +32,13 @@ namespace feib
     space.condense(condensed);
     present = residual();
     scale   = std::max({condensed.l2_norm(), present.implicit_load, present.norms.momentum});
+    // Forces that move nothing by more than round-off of a cell's size in the step are none, as
+    // those of a body at rest are what cancels in it.
+    const double h = space.smallest_edge();
+    if (scale > 0)
+      scale = std::max(scale,
+                       1e-15 / settings.tolerance * operators.terms().rho *
+                         std::pow(h, int(dim) + 1) * rate * rate);
     history << std::setprecision(2);
   }
 
