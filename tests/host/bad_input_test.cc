@@ -94,7 +94,7 @@ TEST_F(BadInput, UnknownComponent)
   refused(
     changed("\"structures\"", "\"coupling\": { \"magic\": {} }, \"structures\""),
     {"case.json:5:26: error: /coupling/magic: no plugin provides the coupling_operator \"magic\"; "
-     "available are \"divergence_free\", \"variational\""});
+     "available are \"divergence_free\", \"regularised_delta\", \"variational\""});
 }
 
 TEST_F(BadInput, SeveralAtOnce)

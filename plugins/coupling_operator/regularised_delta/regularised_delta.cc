@@ -301,7 +301,7 @@ namespace feib
   RegularisedDelta<dim>::lines(const double z, const std::int64_t edge, const double spacing) const
   {
     // The cell's rule: the trapezium rule between its nodes, which on equal cells weighs all nodes
-    // alike, or Simpson's, which integrates the velocity exactly.
+    // alike, or Simpson's, which is exact for quadratic velocities.
     const double middle = of_nodes ? 1. / 2 : 2. / 3, radius = kernel.radius() * spacing;
     const std::int64_t first = std::floor((z - radius) / edge),
                        end   = std::ceil((z + radius) / edge);
