@@ -210,6 +210,47 @@ TEST(RegularisedDelta, DoesNotDependOnRanks)
   check_ranks<3>(3);
 }
 
+/// The load of a uniform force is that of the finite element space with cells, and the same at all
+/// nodes with nodes.
+TEST(RegularisedDelta, AUniformForceIsSharedAsTheNodesCount)
+{
+  constexpr unsigned int n_cells = 4, n = EulerianSpace<2>::n_nodes;
+  const auto space = make_space<2>("{\"cells\": [4, 4], \"periodic\": [\"x\", \"y\"]}");
+  for (const bool of_nodes : {false, true})
+    for (const std::string kernel : kernels)
+      {
+        SCOPED_TRACE(kernel + (of_nodes ? ", nodes" : ", cells"));
+        // One point in each spacing, off the nodes; those at the upper ends are at the lower too.
+        const LagrangianMesh<2> mesh =
+          feib::testing::make_simplex_mesh<2>(2, of_nodes ? 2 * n_cells : n_cells);
+        Positions<2> X(mesh);
+        NodalField<2> f(mesh);
+        for (unsigned int i = 0; i < X.size(); ++i)
+          {
+            const auto &s = mesh.nodes()[i];
+            X[i]          = s + dealii::Point<2>(.07, .03);
+            if (s[0] < 1 && s[1] < 1)
+              f[i][0] = of_nodes ? .25 : 1;
+          }
+        const auto coupling = feib::testing::registry().create<CouplingOperator<2>>(
+          "regularised_delta", block(kernel, of_nodes ? "nodes" : "cells", false));
+        coupling->set_geometry(*space, mesh, X, LagrangianPoints::nodes(X.size()));
+        VelocityVector load = space->make_velocity();
+        coupling->spread(*space, f, load);
+        space->condense(load); // nodes at one end of the box have what both have
+        load.update_ghost_values();
+        for (unsigned int c = 0; c < space->cells().size(); ++c)
+          for (unsigned int i = 0; i < n; ++i)
+            if (const auto dof = space->velocity_dofs(c)[i];
+                !space->constraints().is_constrained(load.get_partitioner()->local_to_global(dof)))
+              {
+                const double share = (i % 3 == 1 ? 2. : 1.) * (i / 3 == 1 ? 2. : 1.) / 9;
+                EXPECT_NEAR(load.local_element(dof), of_nodes ? .25 : share, 1e-12)
+                  << "node " << i << " of a cell at " << space->cells()[c].lower;
+              }
+      }
+}
+
 /// On all ranks, whichever has the cells.
 TEST(RegularisedDelta, RefusesWallsAndCellsOfOtherSizesInTheKernelsReach)
 {
