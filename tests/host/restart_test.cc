@@ -398,6 +398,35 @@ namespace
   }
 
 
+  /// Springs that move, damp and break, weight, dead and follower loads.
+  TEST(Restart, ForcesToTheBit)
+  {
+    const TemporaryFolder folder;
+    for (const char *const scheme : {"fe_be", "be_be", "lagged_be", "midpoint", "lagged_midpoint"})
+      {
+        SCOPED_TRACE(scheme);
+        json document                                       = disc_case();
+        document["fluid"]["navier_stokes"]["linear_solver"] = "multigrid";
+        document["time"]["integrator"]                      = {{scheme, json::object()}};
+        document["time"]["step"]                            = 0.005;
+        document["time"]["control"]                         = {{"fixed", json::object()}};
+        document["structures"][0]["hyperelastic"]["forces"] = json::parse(R"j([
+          {"gravity": {"acceleration": [0, "-3 - t"]}},
+          {"spring_network": {"stiffness": 0.5, "damping": 0.1, "breaking_stretch": 1.01}},
+          {"tether": {"stiffness": 20, "damping": 1, "on": {"where": "s1 < 0"},
+                      "target": ["0.6+s1+0.1*sin(9*t)", "0.5+s2"],
+                      "target_velocity": ["0.9*cos(9*t)", 0]}},
+          {"traction": {"pressure": "1 + t", "force": [0.1, 0], "on": {"boundary": true}}}])j");
+        document["output"]                                  = json::parse(R"([{"ledger_csv":{}}])");
+        const std::string whole = run_in_pieces(folder, document, {.05}, {1});
+        expect_same_ledger(run_in_pieces(folder, document, {.025, .05}, {1, 1}), whole);
+        // Some springs have broken.
+        EXPECT_GT(
+          std::stod(read_table(whole + "/ledger.csv").at("energy_disc_spring_network").back()), 0);
+      }
+  }
+
+
   // MUMPS on several ranks adds in an order that depends on time: no two runs are the same.
   TEST(Restart, OnTwoRanksToTheBit)
   {
