@@ -180,18 +180,17 @@ namespace feib
   void
   Accounts<dim>::add_axes(Ledger::Row &row, const StructureModel<dim> &model)
   {
-    // Eigenvalues are sorted, the largest first.
-    const auto axes_of   = eigenvectors(model.second_moments(model.positions));
+    // Directions of axes are not written: where two are alike they depend on round-off.
+    const auto moments   = model.second_moments(model.positions);
+    const auto axes_of   = eigenvalues(moments); // the largest first
     const unsigned int m = model.mesh().closed() ? dim : model.mesh().structure_dim();
     for (unsigned int k = 0; k < dim; ++k)
       row.emplace_back("axis_" + std::to_string(k + 1) + "_" + model.name(),
-                       std::sqrt(std::max(0., (m + 2) * axes_of[k].first)));
-    dealii::Tensor<1, dim> longest = axes_of[0].second;
-    // Of the two directions the one to the right.
-    if (longest[0] < 0 || (longest[0] == 0 && longest[1] < 0))
-      longest = -longest;
+                       std::sqrt(std::max(0., (m + 2) * axes_of[k])));
     for (unsigned int a = 0; a < dim; ++a)
-      row.emplace_back(std::string("direction_") + axes[a] + "_" + model.name(), longest[a]);
+      for (unsigned int b = a; b < dim; ++b)
+        row.emplace_back(std::string("moment_") + axes[a] + axes[b] + "_" + model.name(),
+                         moments[a][b]);
   }
 
 

@@ -84,8 +84,7 @@ namespace feib
     /// The columns of structure @p s.
     void add_structure(Ledger::Row &row, unsigned int s, const Report &report) const;
 
-    /// The half axes of the ellipse or ellipsoid with the same second moments, and the direction of
-    /// the longest.
+    /// The half axes of the ellipse or ellipsoid with the same second moments, and these.
     static void add_axes(Ledger::Row &row, const StructureModel<dim> &model);
 
     Components<dim> &components;
