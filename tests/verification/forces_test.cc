@@ -160,6 +160,34 @@ TEST(Forces, StiffSpringsHoldABodyInAStream)
 }
 
 
+/// A part of the step that the host forecasts is stable for springs on a body, be its nodes many or
+/// few.
+TEST(Forces, ForecastOfTheStepKnowsSprings)
+{
+  for (const std::string rings : {"2", "4", "8"})
+    {
+      SCOPED_TRACE(rings);
+      const std::string settings =
+        scheme_setting("midpoint") + " --set /structures/0/hyperelastic/mesh/disc/rings=" + rings +
+        " --set /time/energy_growth=100 --set " +
+        shell_quoted(R"j(/fluid/navier_stokes/initial_velocity=["0.1*sin(2*pi*y)", 0])j");
+      const std::string springs = disc(R"([{"tether": {"stiffness": 1e4}}])");
+      const double limit = run(springs, settings + " --set /time/step=1e-4 --set /time/end=1e-4")
+                             .summary["stability_limit"];
+      EXPECT_LT(limit, .02);
+      const auto largest_energy = [&](const double part) {
+        const std::vector<double> energy =
+          run(springs,
+              settings + " --set /time/step=" + std::to_string(part * limit) +
+                " --set /time/end=" + std::to_string(part * limit * 80))
+            .ledger.at("total_energy");
+        return *std::max_element(energy.begin() + 40, energy.end()) / energy[0];
+      };
+      EXPECT_LT(largest_energy(.7), 2);
+    }
+}
+
+
 /// Prescribed motion: nodes are where their targets are, to the tolerance of the springs.
 TEST(Forces, TargetsMoveABody)
 {
@@ -201,4 +229,24 @@ TEST(Forces, CantileverOfACurve)
   };
   EXPECT_NEAR(deflection(12), 1, .005);
   EXPECT_NEAR(deflection(24), 1, .002);
+}
+
+
+/// Columns of the ledger are named by structure and force: another structure of that name would
+/// have the same.
+TEST(Forces, NamesOfTheLedgerAreUnique)
+{
+  const std::string text = R"j({ "dimension": 2, "domain": { "cells": [4, 4] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1 } },
+      "structures": [
+        { "hyperelastic": { "name": "body", "mesh": { "rectangle": { "lower": [0.2, 0.2], "upper": [0.4, 0.4], "cells": [2, 2] } },
+            "law": { "neo_hookean": { "shear_modulus": 2 } }, "forces": [ { "tether": { "stiffness": 1 } } ] } },
+        { "hyperelastic": { "name": "body_tether", "mesh": { "rectangle": { "lower": [0.6, 0.6], "upper": [0.8, 0.8], "cells": [2, 2] } },
+            "law": { "neo_hookean": { "shear_modulus": 2 } } } } ],
+      "time": { "step": 0.01, "end": 0.1 } })j";
+  const TemporaryFolder folder;
+  const RunResult result = run_host("--validate " + shell_quoted(folder.write("case.json", text)));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.output.find("found \"body_tether\" a second time"), std::string::npos)
+    << result.output;
 }

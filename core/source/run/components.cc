@@ -126,7 +126,8 @@ namespace feib
         if (!names.insert(structure.model->name()).second)
           block.fail("name",
                      "found \"" + structure.model->name() +
-                       "\" a second time; every structure needs a name of its own");
+                       "\" a second time; every structure, and every structure and force by "
+                       "NAME_FORCE, needs a name of its own in the ledger");
         if (space)
           for (unsigned int i = 0; i < n_nodes; ++i)
             if (!space->forest().inside(structure.model->positions[i]))
@@ -146,6 +147,12 @@ namespace feib
         check_density(*structure.model, block);
         check_law(*structure.model, slot);
         build_forces(*structure.model, block, sample_times(end));
+        for (const std::string &force : structure.model->force_names())
+          if (!names.insert(structure.model->name() + "_" + force).second)
+            block.fail("forces",
+                       "have a force called \"" + force + "\": the ledger would have \"" +
+                         structure.model->name() + "_" + force +
+                         "\" twice, as there is another structure, or force of one, by that name");
         structures.push_back(std::move(structure));
       });
   }

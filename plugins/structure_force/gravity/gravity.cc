@@ -2,7 +2,7 @@
 #include <feib/expression.h>
 #include <feib/plugin.h>
 #include <feib/registry.h>
-#include <feib/structure_force.h>
+#include <feib/structure_force/try_times.h>
 
 #include "gravity_schema.h"
 
@@ -27,11 +27,7 @@ namespace feib
       nodes  = body.mesh.nodes();
       start  = body.positions;
       masses = body.excess_mass;
-      for (const double time : body.times)
-        set_moment(time, 0.);
-      if (const Issues issues = g->not_finite(MPI_COMM_SELF); !issues.empty())
-        throw Error(issues);
-      set_moment(0., 0.);
+      try_times<dim>(*this, body, {g.get()});
     }
 
     void

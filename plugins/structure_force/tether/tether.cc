@@ -4,6 +4,7 @@
 #include <feib/registry.h>
 #include <feib/structure_force.h>
 #include <feib/structure_force/selection.h>
+#include <feib/structure_force/try_times.h>
 
 #include "tether_schema.h"
 
@@ -55,13 +56,7 @@ namespace feib
           all[element.nodes[j]] += element.measure / (body.mesh.structure_dim() + 1);
       for (unsigned int i = 0; i < all.size(); ++i)
         largest = std::max(largest, springs[i] / all[i]);
-      for (const double time : body.times)
-        set_moment(time, 0.);
-      for (Expressions<dim> *function : {target.get(), velocity.get()})
-        if (function)
-          if (const Issues issues = function->not_finite(MPI_COMM_SELF); !issues.empty())
-            throw Error(issues);
-      set_moment(0., 0.);
+      try_times<dim>(*this, body, {target.get(), velocity.get()});
     }
 
     void

@@ -4,6 +4,7 @@
 #include <feib/registry.h>
 #include <feib/structure_force.h>
 #include <feib/structure_force/selection.h>
+#include <feib/structure_force/try_times.h>
 
 #include "traction_schema.h"
 
@@ -45,13 +46,7 @@ namespace feib
           faces.empty() ? "acts on faces; \"on\" selects none with all its nodes"
                         : "acts on the elements of a curve or surface, or on the boundary faces of "
                           "a body (\"on\": {\"boundary\": true})");
-      for (const double time : body.times)
-        set_moment(time, 0.);
-      for (Expressions<dim> *function : {force.get(), pressure.get()})
-        if (function)
-          if (const Issues issues = function->not_finite(MPI_COMM_SELF); !issues.empty())
-            throw Error(issues);
-      set_moment(0., 0.);
+      try_times<dim>(*this, body, {force.get(), pressure.get()});
     }
 
     void

@@ -13,8 +13,10 @@ namespace feib
     double kappa;          // largest eigenvalue of d2W/dF2
     double spatial_kappa;  // the same per present measure and length
     double excess_density; // excess mass per present measure
-    double nodal   = 0;    // of forces, see StructureForce::Stiffness, per present measure
-    double bending = 0;
+    double nodal     = 0;  // of forces, see StructureForce::Stiffness, per present measure
+    double bending   = 0;
+    double node_size = 0; // edge of a square or cube of the largest measure that a node stands for
+    int dim          = 2;
   };
 
   /// Collective.
