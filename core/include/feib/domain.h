@@ -2,7 +2,7 @@
 #ifndef feib_domain_h
 #define feib_domain_h
 
-#include <feib/expression.h>
+#include <feib/boundary_condition.h>
 #include <feib/parameters.h>
 
 #include <deal.II/base/point.h>
@@ -11,22 +11,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <vector>
 
 namespace feib
 {
-  /// In the order in which they win where faces meet: where a moving lid meets a wall at rest, the
-  /// wall does, so that no fluid passes through the corner. What they mean is said by Domain::Face
-  /// alone.
-  enum class BoundaryCondition
-  {
-    no_slip,
-    free_slip,
-    velocity,
-    outflow,
-    periodic
-  };
-
   /// Within this distance of a face of the box, which goes from @p lower to @p upper across the
   /// face, a point counts as on it: coordinates come from sums, expressions and files.
   inline double
@@ -44,42 +32,31 @@ namespace feib
     /// along a direction than a Lattice has room for, ...).
     explicit Domain(const Parameters &parameters);
 
-    struct Face
+    /// A box with no slip on all faces.
+    Domain(const dealii::Point<dim> &lower,
+           const dealii::Point<dim> &upper,
+           const std::array<unsigned int, dim> &cells);
+
+    /// The number, in conditions, of the one that holds on a face at a place there.
+    unsigned int
+    condition_at(const unsigned int face, const dealii::Point<dim> &x) const
     {
-      BoundaryCondition condition = BoundaryCondition::no_slip;
-      unsigned int normal         = 0;            // the direction across the face
-      std::unique_ptr<Expressions<dim>> velocity; // of x and t, for condition velocity
-      bool time_dependent = false;
+      unsigned int i = first_of_face[face];
+      while (conditions[i].where && !(conditions[i].where->value(x) > 0))
+        ++i;
+      return i;
+    }
 
-      /// Whether nothing can cross the face: no_slip, free_slip, or a velocity whose component
-      /// across the face is the number 0.
-      bool tight = true;
-
-      /// Whether the face prescribes a component of the velocity: that of `velocity` where there is
-      /// one, else zero.
-      bool
-      prescribes(const unsigned int component) const
-      {
-        return condition == BoundaryCondition::no_slip ||
-               condition == BoundaryCondition::velocity ||
-               (condition == BoundaryCondition::free_slip && component == normal);
-      }
-
-      /// Whether fluid crosses the face as it likes: nothing is prescribed, and the traction on the
-      /// face is given.
-      bool
-      open() const
-      {
-        return condition == BoundaryCondition::outflow;
-      }
-
-      /// Whether the other side of the box is beyond the face.
-      bool
-      periodic() const
-      {
-        return condition == BoundaryCondition::periodic;
-      }
-    };
+    /// A place that is @p share of the way from lower to upper along each direction. Equal
+    /// fractions give equal places, to the bit.
+    dealii::Point<dim>
+    place(const std::array<double, dim> &share) const
+    {
+      dealii::Point<dim> x;
+      for (unsigned int a = 0; a < dim; ++a)
+        x[a] = lower[a] + (upper[a] - lower[a]) * share[a];
+      return x;
+    }
 
     /// Whether no fluid can cross the boundary freely, so that the pressure is known up to a
     /// constant.
@@ -91,7 +68,7 @@ namespace feib
     bool
     periodic(const unsigned int direction) const
     {
-      return faces[2 * direction].periodic();
+      return conditions[first_of_face[2 * direction]].periodic();
     }
 
     /// The directions that a point cannot leave its place in, as it lies in a tight face across
@@ -104,7 +81,18 @@ namespace feib
     std::string pointer; // of the block in the case
     dealii::Point<dim> lower, upper;
     std::array<unsigned int, dim> cells;
-    std::array<Face, 2 * dim> faces; // x_min, x_max, y_min, ...
+    std::vector<BoundaryCondition<dim>> conditions; // of x_min, x_max, y_min, ...
+
+  private:
+    void read_boundary(const Parameters &boundary, const std::array<bool, dim> &is_periodic);
+
+    /// What is said of a face.
+    void read_face(const Parameters &parameters, unsigned int face);
+
+    /// Refuses fluxes prescribed where no pressure is known.
+    void check_regulated() const;
+
+    std::array<unsigned int, 2 * dim> first_of_face{}; // in conditions
   };
 } // namespace feib
 

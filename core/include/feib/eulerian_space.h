@@ -48,6 +48,13 @@ namespace feib
       unsigned int level; // 0: a base cell
     };
 
+    /// A face of a locally owned cell in the boundary of the box, and the number of the domain's
+    /// condition at its centre.
+    struct BoundaryFace
+    {
+      unsigned int cell, face, condition;
+    };
+
     EulerianSpace(Domain<dim> domain, MPI_Comm communicator = MPI_COMM_WORLD);
     EulerianSpace(const EulerianSpace &) = delete;
 
@@ -102,6 +109,9 @@ namespace feib
     // --- flat access to the locally owned cells
 
     const std::vector<Cell> &cells() const;
+
+    /// In the order of cells(); none across periodic directions.
+    const std::vector<BoundaryFace> &boundary_faces() const;
 
     /// The local indices (VelocityVector::local_element) of the velocity unknowns of cell @p c:
     /// n_velocity of them, component by component, nodes lexicographic (x fastest) at 0, 1/2, 1.
@@ -181,6 +191,8 @@ namespace feib
     void distribute_dofs();
     void make_constraints(double t);
     void flatten_constraints();
+    void find_boundary_faces();
+    Issues absent_parts() const; // conditions that hold nowhere
     void archive_mesh(Archive &archive);
     std::vector<unsigned char> levels_in_order() const; // deal.II's, of all cells of all ranks
 
@@ -200,6 +212,7 @@ namespace feib
     CartesianForest<dim> locator;
     Lattice<dim> node_lattice;
     std::vector<Cell> cell_list;
+    std::vector<BoundaryFace> boundary_face_list;
     std::vector<unsigned int> velocity_dof_table, pressure_dof_table;
     unsigned int base_level      = 0; // of deal.II's levels, that of the base cells
     unsigned int revision_number = 0;

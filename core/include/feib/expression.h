@@ -16,6 +16,8 @@ namespace feib
   {
     /// x, y, z (as many as the space has dimensions) and t, the time.
     space_time,
+    /// t alone.
+    time,
     /// s1, s2, s3 (as many as the space has dimensions): reference coordinates of a structure.
     reference,
     /// The same, and t.

@@ -8,6 +8,8 @@
 #include <feib/implicit_load.h>
 #include <feib/parameters.h>
 
+#include <vector>
+
 namespace feib
 {
   /// Advances the fluid by one step.
@@ -26,6 +28,17 @@ namespace feib
       ImplicitLoad<dim> *implicit_load = nullptr; // joins the load, at the velocity computed
     };
 
+    /// What the fluid gets through a boundary condition: by the reaction where the velocity is
+    /// prescribed, and by the traction where fluid crosses.
+    struct BoundaryExchange
+    {
+      double flux  = 0; // out of the box [volume/time]
+      double power = 0;
+      dealii::Tensor<1, dim> force;
+      dealii::Tensor<1, 3> torque; // about the origin; the third component in 2D
+      double pressure = 0;         // the mean one on the face [force/area]
+    };
+
     /// What a step took, and where its power went: the momentum equation tested with the velocity
     /// u computed. With rho/dt (u - u^n, u) the rate of the kinetic energy,
     ///   rho/dt (u - u^n, u) + dissipation + convection_power
@@ -35,10 +48,12 @@ namespace feib
       unsigned int linear_iterations    = 0;
       unsigned int nonlinear_iterations = 0;
       double dissipation                = 0; // a(u,u) with the viscous form chosen
-      double convection_power           = 0; // leaves through open faces, >= 0
-      double boundary_power             = 0; // reaction at prescribed velocity . u
+      double convection_power           = 0; // leaves through open faces, >= 0 unless static_inflow
+      double boundary_power             = 0; // of reactions where u is prescribed, and tractions
       double body_force_power           = 0; // (f, u)
       double increment_energy           = 0; // rho/2 |u - u^n|^2
+      /// Of each of the domain's conditions; empty: the solver does not say.
+      std::vector<BoundaryExchange> boundary;
     };
 
     /// Integrals over the fluid at the state of the space.

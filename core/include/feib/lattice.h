@@ -90,6 +90,17 @@ namespace feib
       return result;
     }
 
+    /// How far a place is on the way through the box along each direction, from 0 to 1: the same,
+    /// to the bit, for equal places of other lattices of the box.
+    std::array<double, dim>
+    share(const Place &place) const
+    {
+      std::array<double, dim> result;
+      for (unsigned int a = 0; a < dim; ++a)
+        result[a] = double(place[a]) / double(extents[a]);
+      return result;
+    }
+
     /// Wraps periodic directions. Returns false when the place is not in the box; its upper faces
     /// count as in the box if @p closed.
     bool

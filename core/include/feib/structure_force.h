@@ -3,6 +3,7 @@
 #define feib_structure_force_h
 
 #include <feib/archive.h>
+#include <feib/domain.h>
 #include <feib/lagrangian_mesh.h>
 #include <feib/matrix_entry.h>
 #include <feib/parameters.h>
@@ -34,6 +35,7 @@ namespace feib
       /// Of each node, beyond that of the fluid; empty: none. [mass]
       std::vector<double> excess_mass;
       std::vector<double> times; // where functions of the time are to be tried
+      const Domain<dim> &domain; // outlives the force
     };
 
     /// What the largest stable step of an explicit scheme depends on, per reference measure of the

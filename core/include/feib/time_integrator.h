@@ -77,7 +77,7 @@ namespace feib
       unsigned int nonlinear_iterations = 0;
       unsigned int geometry_iterations  = 0; // solutions with another geometry, for one step
       double dissipated                 = 0; // by viscosity
-      double convected                  = 0; // left through open faces, >= 0
+      double convected                  = 0; // left through open faces
       double boundary_work              = 0;
       double body_work                  = 0;
       double numerical   = 0; // lost (gained when negative) by the time scheme, by its theory
@@ -86,6 +86,8 @@ namespace feib
       /// scheme has none; infinite: there are not yet enough steps to tell.
       double displacement_error = -1;
       std::vector<Exchange> exchanges; // one per structure
+      /// What the fluid gets through the box's faces, averages over the step.
+      std::vector<typename FluidSolver<dim>::BoundaryExchange> boundary;
     };
 
     /// The largest stable step, the structure that sets it and a scheme without such a limit.

@@ -96,12 +96,14 @@ namespace feib
                          const std::vector<std::string> &texts,
                          const Variables variables)
         : Expressions<dim>(texts.size())
-        , in_space(variables == Variables::space_time)
+        , variables(variables)
         , has_time(variables != Variables::reference)
         , components(texts.size())
       {
-        const auto &all = in_space ? space_names : reference_names;
-        std::vector<std::string> names(all.begin(), all.begin() + dim);
+        const auto &all = variables == Variables::space_time ? space_names : reference_names;
+        std::vector<std::string> names;
+        if (variables != Variables::time)
+          names.assign(all.begin(), all.begin() + dim);
         if (has_time)
           names.push_back("t");
         values.fill(0.);
@@ -116,8 +118,9 @@ namespace feib
               {
                 for (const auto &[name, value] : parameters.constants())
                   parser.DefineConst(name, value);
-                for (std::size_t j = 0; j < names.size(); ++j)
-                  parser.DefineVar(names[j], &values[j]);
+                for (const std::string &name : names)
+                  parser.DefineVar(name,
+                                   name == "t" ? &values[dim] : &values[&name - names.data()]);
                 parser.SetExpr(texts[i]);
                 components[i].constant = parser.GetUsedVar().empty();
                 components[i].value    = parser.Eval();
@@ -169,7 +172,8 @@ namespace feib
         std::optional<Trouble> trouble;
       };
 
-      const bool in_space, has_time;
+      const Variables variables;
+      const bool has_time;
       mutable std::array<double, dim + 1> values; // the parsers hold pointers to them
       mutable std::vector<Component> components;
 
@@ -233,12 +237,13 @@ namespace feib
           const double value = first[dim + 1];
           message << '"' << component.text << "\" is "
                   << (std::isnan(value) ? "nan" : readable(value))
-                  << (in_space ? " at (" : " at the reference place (");
-          for (unsigned int a = 0; a < dim; ++a)
-            message << (a > 0 ? ", " : "") << first[a];
-          message << ')';
+                  << (variables == Variables::space_time ? " at ("
+                      : variables == Variables::time     ? " at "
+                                                         : " at the reference place (");
+          for (unsigned int a = 0; a < dim && variables != Variables::time; ++a)
+            message << (a > 0 ? ", " : "") << first[a] << (a + 1 == dim ? ")" : "");
           if (has_time)
-            message << " and time " << first[dim];
+            message << (variables == Variables::time ? "time " : " and time ") << first[dim];
           message << "; it must be "
                   << (std::isfinite(value) ? "at most " + readable(largest) + " in size" : "finite")
                   << " there";

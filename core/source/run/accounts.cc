@@ -134,6 +134,44 @@ namespace feib
 
   template <int dim>
   void
+  Accounts<dim>::add_impulse(Ledger::Row &row,
+                             const std::string &name,
+                             const double power,
+                             const dealii::Tensor<1, dim> &force,
+                             const dealii::Tensor<1, 3> &torque)
+  {
+    row.emplace_back("power_" + name, power);
+    for (unsigned int a = 0; a < dim; ++a)
+      row.emplace_back(std::string("force_") + axes[a] + "_" + name, force[a]);
+    for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
+      row.emplace_back(std::string("torque_") + axes[a] + "_" + name, torque[a]);
+  }
+
+
+  template <int dim>
+  void
+  Accounts<dim>::add_boundary(Ledger::Row &row, const Report &report) const
+  {
+    const auto &conditions = components.space->domain().conditions;
+    for (unsigned int i = 0; i < conditions.size(); ++i)
+      if (!conditions[i].periodic())
+        {
+          const std::string &name = conditions[i].name;
+          const auto exchange     = i < report.boundary.size()
+                                      ? report.boundary[i]
+                                      : typename FluidSolver<dim>::BoundaryExchange();
+          add_impulse(row, name, exchange.power, exchange.force, exchange.torque);
+          if (!conditions[i].tight)
+            {
+              row.emplace_back("flux_" + name, exchange.flux);
+              row.emplace_back("pressure_" + name, exchange.pressure);
+            }
+        }
+  }
+
+
+  template <int dim>
+  void
   Accounts<dim>::add_structure(Ledger::Row &row, const unsigned int s, const Report &report) const
   {
     const StructureModel<dim> &model = *components.structures[s].model;
@@ -142,21 +180,15 @@ namespace feib
     row.emplace_back("measure_" + model.name(), model.measure(model.positions));
     row.emplace_back("leak_" + model.name(), totals.leak[s]);
     row.emplace_back("time_error_" + model.name(), totals.time_error[s]);
-    const auto add_impulse = [&](const std::string &name, const Impulse &impulse) {
-      row.emplace_back("power_" + name, impulse.power);
-      for (unsigned int a = 0; a < dim; ++a)
-        row.emplace_back(std::string("force_") + axes[a] + "_" + name, impulse.force[a]);
-      for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
-        row.emplace_back(std::string("torque_") + axes[a] + "_" + name, impulse.torque[a]);
-    };
-    add_impulse(model.name(), exchange);
+    add_impulse(row, model.name(), exchange.power, exchange.force, exchange.torque);
     const std::vector<std::string> forces = model.force_names();
     const std::vector<double> energies    = model.force_energies(model.positions);
     for (unsigned int f = 0; f < forces.size(); ++f)
       {
         const std::string name = model.name() + "_" + forces[f];
         row.emplace_back("energy_" + name, energies[f]);
-        add_impulse(name, f < exchange.forces.size() ? exchange.forces[f] : Impulse());
+        const Impulse impulse = f < exchange.forces.size() ? exchange.forces[f] : Impulse();
+        add_impulse(row, name, impulse.power, impulse.force, impulse.torque);
       }
     const dealii::Point<dim> centroid = model.centroid(model.positions);
     for (unsigned int a = 0; a < dim; ++a)
@@ -261,6 +293,7 @@ namespace feib
       for (unsigned int a = (dim == 2 ? 2 : 0); a < 3; ++a)
         row.emplace_back(std::string("angular_momentum_") + axes[a], now.angular_momentum[a]);
       row.emplace_back("cfl", now.fluid.cfl_rate * dt);
+      add_boundary(row, report);
       for (unsigned int s = 0; s < components.structures.size(); ++s)
         add_structure(row, s, report);
       for (auto &entry : components.integrator->diagnostics(components.system(), dt))

@@ -81,6 +81,16 @@ namespace feib
 
     void sum_up(unsigned int step, double dt, const Report &report, double total);
 
+    /// The columns of what the fluid gets from something.
+    static void add_impulse(Ledger::Row &row,
+                            const std::string &name,
+                            double power,
+                            const dealii::Tensor<1, dim> &force,
+                            const dealii::Tensor<1, 3> &torque);
+
+    /// The columns of the faces of the box.
+    void add_boundary(Ledger::Row &row, const Report &report) const;
+
     /// The columns of structure @p s.
     void add_structure(Ledger::Row &row, unsigned int s, const Report &report) const;
 

@@ -121,6 +121,13 @@ namespace feib
         const Parameters block = slot.choice().second;
         if (structure.model->name() == "fluid")
           block.fail("name", "found \"fluid\", the name of the fluid's own files");
+        if (space)
+          for (const auto &condition : space->domain().conditions)
+            if (structure.model->name() == condition.name)
+              block.fail("name",
+                         "found \"" + condition.name +
+                           "\", which columns of the ledger for a "
+                           "face of the box are named by");
         if (structure.model->name() == "convection")
           block.fail("name", "found \"convection\", which columns of the ledger are named by");
         if (!names.insert(structure.model->name()).second)
@@ -164,7 +171,7 @@ namespace feib
                                 const Parameters &block,
                                 const std::vector<double> &times)
   {
-    if (!block.has("forces"))
+    if (!block.has("forces") || !space) // without a box its faults are told
       return;
     std::vector<std::unique_ptr<StructureForce<dim>>> forces;
     std::set<std::string> names;
@@ -177,7 +184,8 @@ namespace feib
           parameters.fail(parameters.has("name") ? "name" : "",
                           "is a second force called \"" + forces.back()->name +
                             "\"; each force of a structure needs a name of its own");
-        forces.back()->attach({model.mesh(), model.positions, model.excess_mass(), times});
+        forces.back()->attach(
+          {model.mesh(), model.positions, model.excess_mass(), times, space->domain()});
       }
     model.set_forces(std::move(forces));
   }

@@ -49,8 +49,9 @@ namespace feib
                          (box.upper[b] - box.lower[b]) * (rest % n[b] + gauss.point(q)[k++]) / n[b];
                   rest /= n[b];
                 }
+            const auto &velocity = box.conditions[box.condition_at(f, x)].velocity;
             const double flux =
-              outward * area * gauss.weight(q) * box.faces[f].velocity->value(x, a);
+              velocity ? outward * area * gauss.weight(q) * velocity->value(x, a) : 0.;
             result.net += flux;
             result.gross += std::abs(flux);
           }
@@ -74,7 +75,7 @@ namespace feib
          cells_in_order(dynamic_cast<const Mesh &>(handler.get_triangulation())))
       if (const auto cell = in_handler(ordered, handler); cell->at_boundary())
         for (unsigned int f = 0; f < 2 * dim; ++f)
-          if (cell->at_boundary(f) && box.faces[f].velocity)
+          if (cell->at_boundary(f) && !box.periodic(f / 2))
             {
               cell->get_dof_indices(indices);
               for (unsigned int i = 0; i < indices.size(); ++i)
@@ -105,7 +106,7 @@ namespace feib
     // All ranks do the same. Where values jump, the two rules differ.
     BoundaryFlux result;
     for (unsigned int f = 0; f < 2 * dim; ++f)
-      if (box.faces[f].velocity)
+      if (!box.periodic(f / 2))
         {
           const BoundaryFlux fine = face_flux(box, f, 8), coarse = face_flux(box, f, 5);
           result.net += fine.net;
@@ -128,9 +129,9 @@ namespace feib
     if (std::abs(interpolated.net) <= tolerated * interpolated.gross)
       return {};
     const BoundaryFlux flux = prescribed_flux(box);
-    for (const auto &face : box.faces)
-      if (face.velocity)
-        face.velocity->not_finite(communicator); // these were no nodes
+    for (const auto &condition : box.conditions)
+      if (condition.velocity)
+        condition.velocity->not_finite(communicator); // these were no nodes
     if (std::abs(flux.net) <= tolerated * flux.gross + 3 * flux.error)
       return {};
     std::ostringstream message;

@@ -2,14 +2,13 @@
 #include <feib/domain.h>
 
 #include <feib/error.h>
-#include <feib/expression.h>
 #include <feib/lattice.h>
 #include <feib/message.h>
 
-#include <deal.II/base/function.h>
-
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
 
 namespace feib
 {
@@ -36,31 +35,13 @@ namespace feib
       return result;
     }
 
-    template <int dim>
-    typename Domain<dim>::Face
-    make_face(const Parameters &parameters, const unsigned int direction)
+    std::string
+    face_name(const unsigned int face)
     {
-      typename Domain<dim>::Face face;
-      const auto [name, block] = parameters.choice();
-      if (name == "no_slip")
-        face.condition = BoundaryCondition::no_slip;
-      else if (name == "free_slip")
-        face.condition = BoundaryCondition::free_slip;
-      else if (name == "outflow")
-        {
-          face.condition = BoundaryCondition::outflow;
-          face.tight     = false;
-        }
-      else
-        {
-          face.condition      = BoundaryCondition::velocity;
-          face.velocity       = parse_expressions<dim>(block, "value", dim, Variables::space_time);
-          face.time_dependent = depends_on_time(block, "value");
-          const std::string across = block.expressions("value")[direction];
-          face.tight               = across == "0" || across == "0.0" || across == "-0.0";
-        }
-      return face;
+      return std::string(direction_names[face / 2]) + (face % 2 == 0 ? "_min" : "_max");
     }
+
+
     /// Cells so flat, or so small beside their coordinates, that arithmetic loses them.
     template <int dim>
     void
@@ -130,6 +111,7 @@ namespace feib
                       "found " + readable(n_cells) + " cells in all, at most 1e8 are allowed");
 
     const std::vector<std::string> periodic_directions = parameters.expressions("periodic");
+    std::array<bool, dim> directions{};
     for (unsigned int i = 0; i < periodic_directions.size(); ++i)
       {
         unsigned int a = 0;
@@ -142,12 +124,9 @@ namespace feib
         if (cells[a] < 2)
           parameters.fail("cells/" + std::to_string(a),
                           "found 1, a periodic direction needs at least 2 base cells");
-        for (const unsigned int f : {2 * a, 2 * a + 1})
-          {
-            faces[f].condition = BoundaryCondition::periodic;
-            faces[f].tight     = false;
-          }
+        directions[a] = true;
       }
+    read_boundary(parameters.child("boundary"), directions);
     try
       {
         Lattice<dim>(*this, 1);
@@ -156,24 +135,111 @@ namespace feib
       {
         parameters.fail("cells", failure.what());
       }
+  }
 
-    const Parameters boundary = parameters.child("boundary");
-    for (unsigned int f = 0; f < 6; ++f)
-      {
-        const std::string name =
-          std::string(direction_names[f / 2]) + (f % 2 == 0 ? "_min" : "_max");
-        if (!boundary.has(name))
-          continue;
-        if (f / 2 >= dim)
-          boundary.fail(name, "there is no such face in dimension " + std::to_string(dim));
-        if (periodic(f / 2))
-          boundary.fail(name,
-                        std::string("the box is periodic in ") + direction_names[f / 2] +
-                          "; such a face takes no condition");
-        faces[f] = make_face<dim>(boundary.child(name), f / 2);
-      }
+
+  template <int dim>
+  Domain<dim>::Domain(const dealii::Point<dim> &lower,
+                      const dealii::Point<dim> &upper,
+                      const std::array<unsigned int, dim> &cells)
+    : lower(lower)
+    , upper(upper)
+    , cells(cells)
+    , conditions(2 * dim)
+  {
     for (unsigned int f = 0; f < 2 * dim; ++f)
-      faces[f].normal = f / 2;
+      {
+        first_of_face[f]   = f;
+        conditions[f].face = f;
+        conditions[f].name = face_name(f);
+      }
+  }
+
+
+  template <int dim>
+  void
+  Domain<dim>::read_boundary(const Parameters &boundary, const std::array<bool, dim> &is_periodic)
+  {
+    for (unsigned int f = 2 * dim; f < 6; ++f)
+      if (boundary.has(face_name(f)))
+        boundary.fail(face_name(f), "there is no such face in dimension " + std::to_string(dim));
+    std::set<std::string> names;
+    for (unsigned int f = 0; f < 2 * dim; ++f)
+      {
+        const std::string name = face_name(f);
+        first_of_face[f]       = conditions.size();
+        if (is_periodic[f / 2])
+          {
+            if (boundary.has(name))
+              boundary.fail(name,
+                            std::string("the box is periodic in ") + direction_names[f / 2] +
+                              "; such a face takes no condition");
+            conditions.emplace_back();
+            conditions.back().kind  = BoundaryCondition<dim>::Kind::periodic;
+            conditions.back().tight = false;
+          }
+        else if (boundary.has(name))
+          read_face(boundary.child(name), f);
+        else if (boundary.has("all"))
+          read_face(boundary.child("all"), f);
+        else
+          conditions.emplace_back();
+        for (unsigned int i = first_of_face[f]; i < conditions.size(); ++i)
+          {
+            conditions[i].face = f;
+            if (conditions[i].name.empty())
+              conditions[i].name = name;
+            if (!names.insert(conditions[i].name).second)
+              boundary.fail("",
+                            "has two conditions called \"" + conditions[i].name +
+                              "\"; results need a name for each");
+          }
+      }
+    check_regulated();
+  }
+
+
+  template <int dim>
+  void
+  Domain<dim>::read_face(const Parameters &parameters, const unsigned int face)
+  {
+    const auto [type, block] = parameters.choice();
+    if (type != "parts")
+      {
+        conditions.emplace_back(parameters, face);
+        return;
+      }
+    unsigned int number = 0;
+    for (const Parameters &part : block.children("list"))
+      {
+        conditions.emplace_back(part.child("condition"), face);
+        conditions.back().where = parse_expressions<dim>(part, "where", 1, Variables::space_time);
+        if (depends_on_time(part, "where"))
+          part.fail("where", "depends on the time; a part of a face stays where it is");
+        conditions.back().name =
+          part.has("name") ? part.word("name") : face_name(face) + "_" + std::to_string(++number);
+      }
+    conditions.emplace_back(block.child("elsewhere"), face);
+  }
+
+
+  template <int dim>
+  void
+  Domain<dim>::check_regulated() const
+  {
+    const BoundaryCondition<dim> *flux = nullptr;
+    for (const auto &condition : conditions)
+      {
+        if (condition.open() && !condition.flux)
+          return;
+        if (condition.flux)
+          flux = &condition;
+      }
+    if (flux)
+      throw Error(flux->pointer,
+                  "prescribes a flux, but no other face lets the pressure be known: one needs the "
+                  "condition outflow, pressure, traction or windkessel; with fluxes alone, "
+                  "prescribe a velocity instead");
   }
 
 
@@ -181,8 +247,8 @@ namespace feib
   bool
   Domain<dim>::enclosed() const
   {
-    for (const Face &face : faces)
-      if (face.open())
+    for (const auto &condition : conditions)
+      if (condition.open())
         return false;
     return true;
   }
@@ -196,8 +262,8 @@ namespace feib
     for (unsigned int a = 0; a < dim; ++a)
       {
         const double near = round_off(lower[a], upper[a]);
-        result[a]         = (faces[2 * a].tight && x[a] <= lower[a] + near) ||
-                    (faces[2 * a + 1].tight && x[a] >= upper[a] - near);
+        result[a]         = (x[a] <= lower[a] + near && conditions[condition_at(2 * a, x)].tight) ||
+                    (x[a] >= upper[a] - near && conditions[condition_at(2 * a + 1, x)].tight);
       }
     return result;
   }
@@ -207,8 +273,8 @@ namespace feib
   bool
   Domain<dim>::time_dependent() const
   {
-    for (const Face &face : faces)
-      if (face.time_dependent)
+    for (const auto &condition : conditions)
+      if (condition.time_dependent)
         return true;
     return false;
   }

@@ -177,6 +177,7 @@ namespace feib
       }
     smallest_edge_length = dealii::Utilities::MPI::min(smallest_edge_length, mpi_communicator);
     fingerprint          = fingerprint_of(cell_list, mpi_communicator);
+    find_boundary_faces();
     ++revision_number;
   }
 
@@ -189,14 +190,14 @@ namespace feib
     dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
     const auto with = [&](const double share) {
       return make_velocity_constraints(
-        velocity_dof_handler, cartesian_mapping, box, node_lattice, relevant_velocity, t, share);
+        velocity_dof_handler, box, node_lattice, relevant_velocity, t, share);
     };
     velocity_constraints = with(0.);
     spread_share         = 0;
     boundary_issues.clear();
-    for (const auto &face : box.faces)
-      if (face.velocity)
-        for (const Issue &issue : face.velocity->not_finite(mpi_communicator))
+    for (const auto &condition : box.conditions)
+      if (condition.velocity)
+        for (const Issue &issue : condition.velocity->not_finite(mpi_communicator))
           boundary_issues.push_back(issue);
     if (!boundary_issues.empty() || !box.enclosed())
       return;
@@ -277,6 +278,57 @@ namespace feib
         make_constraints(present);
         flatten_constraints();
       }
+    const Issues absent = absent_parts();
+    issues.insert(issues.end(), absent.begin(), absent.end());
+    return issues;
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::find_boundary_faces()
+  {
+    boundary_face_list.clear();
+    for (unsigned int c = 0; c < cell_list.size(); ++c)
+      {
+        // Centres are places of the lattice, whose unit is half an edge of the smallest cell.
+        const auto lower = node_lattice.nearest(cell_list[c].lower),
+                   upper = node_lattice.nearest(cell_list[c].lower + cell_list[c].size);
+        for (unsigned int f = 0; f < 2 * dim; ++f)
+          {
+            const unsigned int a    = f / 2;
+            const std::int64_t side = f % 2 == 0 ? lower[a] : upper[a];
+            if (box.periodic(a) || side != (f % 2 == 0 ? 0 : node_lattice.extent(a)))
+              continue;
+            auto centre = lower;
+            for (unsigned int b = 0; b < dim; ++b)
+              centre[b] = b == a ? side : (lower[b] + upper[b]) / 2;
+            boundary_face_list.push_back(
+              {c, f, box.condition_at(f, box.place(node_lattice.share(centre)))});
+          }
+      }
+  }
+
+
+  template <int dim>
+  Issues
+  EulerianSpace<dim>::absent_parts() const
+  {
+    std::vector<unsigned int> n_faces(box.conditions.size(), 0);
+    for (const BoundaryFace &face : boundary_face_list)
+      ++n_faces[face.condition];
+    dealii::Utilities::MPI::sum(n_faces, mpi_communicator, n_faces);
+    Issues issues;
+    for (unsigned int i = 0; i < n_faces.size(); ++i)
+      if (const auto &condition = box.conditions[i]; condition.where)
+        {
+          const Issues undefined = condition.where->not_finite(mpi_communicator);
+          issues.insert(issues.end(), undefined.begin(), undefined.end());
+          if (undefined.empty() && n_faces[i] == 0)
+            issues.push_back({condition.pointer,
+                              "holds nowhere: the centre of no cell's face is in this part, or "
+                              "earlier parts cover it"});
+        }
     return issues;
   }
 
@@ -550,6 +602,13 @@ namespace feib
   EulerianSpace<dim>::cells() const
   {
     return cell_list;
+  }
+
+  template <int dim>
+  const std::vector<typename EulerianSpace<dim>::BoundaryFace> &
+  EulerianSpace<dim>::boundary_faces() const
+  {
+    return boundary_face_list;
   }
 
   template <int dim>

@@ -3,14 +3,11 @@
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_tools.h>
-#include <deal.II/numerics/vector_tools.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
-#include <optional>
 #include <unordered_map>
 
 namespace feib
@@ -197,31 +194,69 @@ namespace feib
     };
 
 
-    /// A prescribed velocity on face @p f less a share of what goes out, and with as much more of
-    /// what comes in.
+    /// Prescribed values, less a share of what goes out of the box and with as much more of what
+    /// comes in. The first condition to reach an unknown holds.
     template <int dim>
-    class Balanced : public dealii::Function<dim>
+    void
+    prescribe(const dealii::DoFHandler<dim> &handler,
+              const Domain<dim> &box,
+              const Lattice<dim> &lattice,
+              const double share,
+              Constraints &constraints)
     {
-    public:
-      Balanced(const dealii::Function<dim> &velocity, const unsigned int f, const double share)
-        : dealii::Function<dim>(dim)
-        , velocity(velocity)
-        , component(f / 2)
-        , change(f % 2 == 0 ? share : -share)
-      {}
-
-      void
-      vector_value(const dealii::Point<dim> &p, dealii::Vector<double> &values) const override
+      const auto &fe = handler.get_fe();
+      struct Node
       {
-        velocity.vector_value(p, values);
-        values[component] += change * std::abs(values[component]);
-      }
+        dealii::Point<dim> x;
+        std::array<Index, dim> unknowns;
+      };
+      std::array<std::vector<Node>, 2 * dim> nodes; // some of them several times
+      std::vector<Index> indices(fe.n_dofs_per_cell());
+      for (const auto &cell : handler.active_cell_iterators())
+        if (!cell->is_artificial() && cell->at_boundary())
+          {
+            cell->get_dof_indices(indices);
+            const auto lower = lattice.nearest(cell->vertex(0));
+            const auto size  = lattice.nearest(cell->vertex(1))[0] - lower[0];
+            for (unsigned int f = 0; f < 2 * dim; ++f)
+              if (cell->at_boundary(f))
+                for (unsigned int i = 0; i < indices.size(); i += dim)
+                  if (fe.has_support_on_face(i, f))
+                    {
+                      Node node;
+                      auto place = lower;
+                      for (unsigned int a = 0; a < dim; ++a)
+                        place[a] += std::lround(size * fe.unit_support_point(i)[a]);
+                      node.x = box.place(lattice.share(place));
+                      for (unsigned int a = 0; a < dim; ++a)
+                        node.unknowns[fe.system_to_component_index(i + a).first] = indices[i + a];
+                      nodes[f].push_back(node);
+                    }
+          }
 
-    private:
-      const dealii::Function<dim> &velocity;
-      const unsigned int component;
-      const double change;
-    };
+      using Kind = typename BoundaryCondition<dim>::Kind;
+      dealii::Vector<double> values(dim);
+      for (const Kind kind : {Kind::no_slip, Kind::free_slip, Kind::velocity, Kind::open})
+        for (unsigned int f = 0; f < 2 * dim; ++f)
+          for (const Node &node : nodes[f])
+            if (const auto &condition = box.conditions[box.condition_at(f, node.x)];
+                condition.kind == kind)
+              {
+                values = 0;
+                if (condition.velocity)
+                  {
+                    condition.velocity->vector_value(node.x, values);
+                    double &across = values[condition.normal()];
+                    across -= share * condition.outward() * std::abs(across);
+                  }
+                for (unsigned int a = 0; a < dim; ++a)
+                  if (condition.prescribes(a) && !constraints.is_constrained(node.unknowns[a]))
+                    {
+                      constraints.add_line(node.unknowns[a]);
+                      constraints.set_inhomogeneity(node.unknowns[a], values[a]);
+                    }
+              }
+    }
 
 
     void
@@ -304,7 +339,6 @@ namespace feib
   template <int dim>
   dealii::AffineConstraints<double>
   make_velocity_constraints(const dealii::DoFHandler<dim> &handler,
-                            const dealii::MappingCartesian<dim> &mapping,
                             const Domain<dim> &box,
                             const Lattice<dim> &lattice,
                             const dealii::IndexSet &relevant,
@@ -314,35 +348,10 @@ namespace feib
     Constraints constraints(relevant);
     Nodes<dim>(handler, lattice).constrain(constraints);
 
-    // The first condition to reach an unknown holds.
-    std::array<unsigned int, 2 * dim> order;
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](const unsigned int f, const unsigned int g) {
-      return box.faces[f].condition < box.faces[g].condition;
-    });
-    const dealii::Functions::ZeroFunction<dim> zero(dim);
-    for (const unsigned int f : order)
-      {
-        const auto &face = box.faces[f];
-        dealii::ComponentMask mask(dim, false);
-        for (unsigned int a = 0; a < dim; ++a)
-          mask.set(a, face.prescribes(a));
-        if (mask.n_selected_components() == 0)
-          continue;
-        std::optional<Balanced<dim>> velocity;
-        if (face.velocity)
-          {
-            face.velocity->set_time(t);
-            velocity.emplace(*face.velocity, f, share);
-          }
-        dealii::VectorTools::interpolate_boundary_values(
-          mapping,
-          handler,
-          f,
-          velocity ? static_cast<const dealii::Function<dim> &>(*velocity) : zero,
-          constraints,
-          mask);
-      }
+    for (const auto &condition : box.conditions)
+      if (condition.velocity)
+        condition.velocity->set_time(t);
+    prescribe(handler, box, lattice, share, constraints);
     return gather(constraints, handler.locally_owned_dofs(), relevant, handler.get_communicator());
   }
 
@@ -361,7 +370,6 @@ namespace feib
 
   template dealii::AffineConstraints<double>
   make_velocity_constraints(const dealii::DoFHandler<2> &,
-                            const dealii::MappingCartesian<2> &,
                             const Domain<2> &,
                             const Lattice<2> &,
                             const dealii::IndexSet &,
@@ -369,7 +377,6 @@ namespace feib
                             double);
   template dealii::AffineConstraints<double>
   make_velocity_constraints(const dealii::DoFHandler<3> &,
-                            const dealii::MappingCartesian<3> &,
                             const Domain<3> &,
                             const Lattice<3> &,
                             const dealii::IndexSet &,

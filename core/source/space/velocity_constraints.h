@@ -6,7 +6,6 @@
 #include <feib/lattice.h>
 
 #include <deal.II/dofs/dof_handler.h>
-#include <deal.II/fe/mapping_cartesian.h>
 #include <deal.II/lac/affine_constraints.h>
 
 namespace feib
@@ -24,7 +23,6 @@ namespace feib
   template <int dim>
   dealii::AffineConstraints<double>
   make_velocity_constraints(const dealii::DoFHandler<dim> &handler,
-                            const dealii::MappingCartesian<dim> &mapping,
                             const Domain<dim> &box,
                             const Lattice<dim> &lattice,
                             const dealii::IndexSet &relevant,

@@ -311,8 +311,8 @@ namespace feib
         force.compress(dealii::VectorOperation::add);
         report.convection_power = force * space.velocity;
       }
-    for (const auto &face : space.domain().faces)
-      if (face.velocity)
+    for (const auto &condition : space.domain().conditions)
+      if (condition.velocity)
         {
           report.boundary_power = -(reaction * space.velocity);
           break;

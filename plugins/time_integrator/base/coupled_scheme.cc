@@ -142,6 +142,7 @@ namespace feib
       report.convected     = fluid.convection_power;
       report.boundary_work = fluid.boundary_power;
       report.body_work     = fluid.body_force_power;
+      report.boundary      = fluid.boundary;
       report.numerical     = fluid.increment_energy;
     }
     const Timers::Section section(system.timers, "coupling");

@@ -46,6 +46,7 @@ namespace feib::testing
   public:
     explicit StructureForceRequirements(const Registry &registry)
       : registry(registry)
+      , box(unit_box())
     {}
 
     /// Whether the force was attached: it may refuse a structure.
@@ -57,7 +58,7 @@ namespace feib::testing
         {
           force       = registry.create<StructureForce<dim>>(name, block);
           force->name = name;
-          force->attach({model->mesh(), model->positions, model->excess_mass(), {0., 1.}});
+          force->attach({model->mesh(), model->positions, model->excess_mass(), {0., 1.}, box});
         }
       catch (const Error &error)
         {
@@ -88,6 +89,19 @@ namespace feib::testing
     std::string refusal;
 
   private:
+    static Domain<dim>
+    unit_box()
+    {
+      dealii::Point<dim> upper;
+      std::array<unsigned int, dim> cells;
+      for (unsigned int a = 0; a < dim; ++a)
+        {
+          upper[a] = 1;
+          cells[a] = 8;
+        }
+      return Domain<dim>(dealii::Point<dim>(), upper, cells);
+    }
+
     NodalField<dim>
     random(const unsigned int seed) const
     {
@@ -289,6 +303,7 @@ namespace feib::testing
     }
 
     const Registry &registry;
+    const Domain<dim> box; // which the structure is in
     std::unique_ptr<StructureModel<dim>> model;
     std::unique_ptr<StructureForce<dim>> force;
     Positions<dim> X;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 namespace feib
 {
@@ -357,21 +358,25 @@ namespace feib
   void
   LevelSpace<dim>::find_prescribed(const Lattice<dim> &lattice, const Domain<dim> &domain)
   {
-    unsigned int open_directions = 0;
-    for (unsigned int a = 0; a < dim; ++a)
-      if (domain.faces[2 * a].open() || domain.faces[2 * a + 1].open())
-        ++open_directions;
-    open_corners = open_directions > 1;
+    std::set<unsigned int> open_directions;
+    for (const auto &condition : domain.conditions)
+      if (condition.open())
+        open_directions.insert(condition.normal());
+    open_corners = open_directions.size() > 1;
     inactive_flags.assign(places.size() * dim, false);
     for (const unsigned int slave : hanging_nodes.nodes())
       for (unsigned int a = 0; a < dim; ++a)
         inactive_flags[slave + a] = true;
     for (unsigned int i = 0; i < places.size(); ++i)
       for (unsigned int f = 0; f < 2 * dim; ++f)
-        if (places[i][f / 2] == (f % 2 == 0 ? 0 : lattice.extent(f / 2)))
-          for (unsigned int a = 0; a < dim; ++a)
-            if (domain.faces[f].prescribes(a))
-              inactive_flags[i * dim + a] = true;
+        if (!domain.periodic(f / 2) && places[i][f / 2] == (f % 2 == 0 ? 0 : lattice.extent(f / 2)))
+          {
+            const dealii::Point<dim> x = domain.place(lattice.share(places[i]));
+            const auto &condition      = domain.conditions[domain.condition_at(f, x)];
+            for (unsigned int a = 0; a < dim; ++a)
+              if (condition.prescribes(a))
+                inactive_flags[i * dim + a] = true;
+          }
     for (unsigned int i = 0; i < velocity_partitioner->locally_owned_size(); ++i)
       if (inactive_flags[i])
         inactive_unknowns.push_back(i);

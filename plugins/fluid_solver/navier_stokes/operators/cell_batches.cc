@@ -2,41 +2,26 @@
 #include "operators/cell_batches.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <map>
 
 namespace feib
 {
-  namespace
-  {
-    /// The faces of a cell that fluid crosses freely: bit f for face f.
-    template <int dim>
-    unsigned int
-    open_faces_of(const typename EulerianSpace<dim>::Cell &cell, const Domain<dim> &box)
-    {
-      unsigned int result = 0;
-      for (unsigned int f = 0; f < 2 * dim; ++f)
-        if (box.faces[f].open())
-          {
-            const double distance = f % 2 == 0
-                                      ? cell.lower[f / 2] - box.lower[f / 2]
-                                      : box.upper[f / 2] - cell.lower[f / 2] - cell.size[f / 2];
-            if (std::abs(distance) < .5 * cell.size[f / 2])
-              result |= 1U << f;
-          }
-      return result;
-    }
-  } // namespace
-
-
   template <int dim>
   void
   CellBatches<dim>::reinit(const EulerianSpace<dim> &space)
   {
-    std::map<std::pair<unsigned int, unsigned int>, std::vector<unsigned int>> groups;
+    std::vector<std::array<unsigned int, 2>> faces(space.cells().size(), {0U, 0U});
+    for (const auto &face : space.boundary_faces())
+      if (const auto &condition = space.domain().conditions[face.condition]; condition.open())
+        {
+          faces[face.cell][0] |= 1U << face.face;
+          if (condition.static_inflow)
+            faces[face.cell][1] |= 1U << face.face;
+        }
+    std::map<std::array<unsigned int, 3>, std::vector<unsigned int>> groups;
     for (unsigned int c = 0; c < space.cells().size(); ++c)
-      groups[{space.cells()[c].level, open_faces_of<dim>(space.cells()[c], space.domain())}]
-        .push_back(c);
+      groups[{space.cells()[c].level, faces[c][0], faces[c][1]}].push_back(c);
     batches.clear();
     place_of_cell.resize(space.cells().size());
     n_open_batches = 0;
@@ -44,10 +29,11 @@ namespace feib
       for (unsigned int first = 0; first < cells.size(); first += lanes)
         {
           CellBatch batch;
-          batch.size        = space.cells()[cells[first]].size;
-          batch.level       = key.first;
-          batch.open_faces  = key.second;
-          batch.open_number = n_open_batches;
+          batch.size         = space.cells()[cells[first]].size;
+          batch.level        = key[0];
+          batch.open_faces   = key[1];
+          batch.static_faces = key[2];
+          batch.open_number  = n_open_batches;
           if (batch.open_faces != 0)
             ++n_open_batches;
           batch.filled = std::min<unsigned int>(lanes, cells.size() - first);

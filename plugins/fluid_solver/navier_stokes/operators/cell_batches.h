@@ -26,9 +26,10 @@ namespace feib
     struct CellBatch
     {
       dealii::Tensor<1, dim> size;
-      unsigned int level, open_faces, filled; // bit f of open_faces: face f
-      unsigned int open_number;               // among batches with open faces
-      unsigned int cells[lanes];              // the last lanes may repeat a cell
+      unsigned int level, filled;
+      unsigned int open_faces, static_faces; // bit f: face f; those of them with static_inflow
+      unsigned int open_number;              // among batches with open faces
+      unsigned int cells[lanes];             // the last lanes may repeat a cell
       unsigned int velocities[n_u * lanes], pressures[n_p * lanes];
 
       void

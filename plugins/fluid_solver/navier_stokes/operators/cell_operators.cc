@@ -138,6 +138,7 @@ namespace feib
   void
   CellOperators<dim>::add_open_boundary(const Size &size,
                                         const unsigned int faces,
+                                        const unsigned int static_faces,
                                         const double rho,
                                         const ConvectiveForm form,
                                         const Value *w,
@@ -151,6 +152,7 @@ namespace feib
         {
           const unsigned int normal = f / 2;
           const double sign         = f % 2 == 0 ? -1. : 1.;
+          const bool is_static      = static_faces & (1U << f);
           for (unsigned int q = 0; q < n_face_q; ++q)
             {
               const double factor = .5 * rho * face_weights[q] * cell_volume(size) / size[normal];
@@ -167,7 +169,7 @@ namespace feib
               for (unsigned int i = 0; i < n; ++i)
                 w_n += sign * face_phi[f][q][i] * w[normal * n + i];
               const Value zero = {}, flux = sign * w_q[normal];
-              const Value out = w_n > zero ? flux : zero;
+              const Value out = is_static ? flux : w_n > zero ? flux : zero;
               for (unsigned int c = 0; c < dim; ++c)
                 force[c] = out * u_q[c] - (rotational ? sign * u_q[normal] * w_q[c] : zero);
               if (rotational)
@@ -189,6 +191,7 @@ namespace feib
 
 #define FEIB_INSTANTIATE(dim, Value)                                  \
   template void CellOperators<dim>::add_open_boundary(const Size &,   \
+                                                      unsigned int,   \
                                                       unsigned int,   \
                                                       double,         \
                                                       ConvectiveForm, \

@@ -54,10 +54,13 @@ namespace feib
     /// With w = u, what convection leaves on such a face is then no traction where fluid goes out,
     /// and -rho/2 |u . n| u where it comes in (the directional do-nothing condition of Braack and
     /// Mucha, J. Comput. Math. 32 (2014) 507). The power with v = u is rho/2 int max(w . n, 0)
-    /// |u|^2 whatever w is: energy leaves, and none comes in.
+    /// |u|^2 whatever w is: energy leaves, and none comes in. On those of the faces in @p
+    /// static_faces w . n stands for max(w . n, 0), so that there is no traction where fluid comes
+    /// in either, and energy comes in with it.
     template <typename Value>
     void add_open_boundary(const Size &size,
                            unsigned int faces,
+                           unsigned int static_faces,
                            double rho,
                            ConvectiveForm form,
                            const Value *w,

@@ -70,7 +70,8 @@ namespace feib
                                Values (&out)[n_u]) const
   {
     if (batch.open_faces != 0)
-      operators.add_open_boundary(batch.size, batch.open_faces, rho, form, at_nodes, by, u, out);
+      operators.add_open_boundary(
+        batch.size, batch.open_faces, batch.static_faces, rho, form, at_nodes, by, u, out);
   }
 
 
