@@ -151,6 +151,10 @@ namespace feib
     /// as zero.
     void condense(VelocityVector &v) const;
 
+    /// The same for hanging nodes and periodic images alone: prescribed unknowns keep what they
+    /// have and get what hangs on them, which makes a residual the reaction. Collective.
+    void condense_continuity(VelocityVector &v) const;
+
     /// Sets constrained entries from their masters. With @p homogeneous, prescribed values count as
     /// zero.
     void distribute(VelocityVector &v, bool homogeneous) const;
@@ -190,6 +194,31 @@ namespace feib
     Lattice<dim> make_lattice(bool refined) const;
     void distribute_dofs();
     void make_constraints(double t);
+    /// Constraints of the locally relevant unknowns, flat: unknown, its prescribed value and
+    /// masters.
+    struct FlatConstraints
+    {
+      struct Line
+      {
+        unsigned int unknown, begin, end;
+        double value;
+      };
+
+      FlatConstraints() = default;
+      FlatConstraints(const dealii::AffineConstraints<double> &constraints,
+                      const dealii::IndexSet &relevant,
+                      const dealii::Utilities::MPI::Partitioner &partitioner);
+
+      double value(const VelocityVector &v, const Line &line) const;
+
+      /// The owned values of v to their masters.
+      void condense(VelocityVector &v) const;
+
+      std::vector<Line> lines;
+      std::vector<unsigned int> masters;
+      std::vector<double> weights;
+    };
+
     void flatten_constraints();
     void find_boundary_faces();
     Issues absent_parts() const; // conditions that hold nowhere
@@ -219,18 +248,15 @@ namespace feib
     std::uint64_t fingerprint    = 0; // tells meshes apart, the same for any division between ranks
     double smallest_edge_length = 0, present_time = 0;
 
-    // Constraints of the locally relevant unknowns, flat: unknown, its prescribed value and
-    // masters.
-    struct ConstraintLine
-    {
-      unsigned int unknown, begin, end;
-      double value;
-    };
-    double value_from_masters(const VelocityVector &v, const ConstraintLine &line) const;
+    FlatConstraints flat_constraints;
 
-    std::vector<ConstraintLine> constraint_lines;
-    std::vector<unsigned int> constraint_masters;
-    std::vector<double> constraint_weights;
+    /// Made when asked for.
+    struct Continuity
+    {
+      std::shared_ptr<const dealii::Utilities::MPI::Partitioner> partitioner;
+      FlatConstraints constraints;
+    };
+    mutable std::unique_ptr<const Continuity> continuity;
   };
 } // namespace feib
 

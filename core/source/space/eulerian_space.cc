@@ -140,6 +140,7 @@ namespace feib
     pressure_partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       pressure_dof_handler.locally_owned_dofs(), relevant_pressure, mpi_communicator);
     flatten_constraints();
+    continuity.reset();
 
     const auto ordered = cells_in_order(mesh);
     locator.rebuild(mesh, ordered, base_level, box);
@@ -222,27 +223,62 @@ namespace feib
 
 
   template <int dim>
+  EulerianSpace<dim>::FlatConstraints::FlatConstraints(
+    const dealii::AffineConstraints<double> &constraints,
+    const dealii::IndexSet &relevant,
+    const dealii::Utilities::MPI::Partitioner &partitioner)
+  {
+    for (const auto i : relevant)
+      if (constraints.is_constrained(i))
+        {
+          Line line;
+          line.unknown = partitioner.global_to_local(i);
+          line.begin   = masters.size();
+          for (const auto &entry : *constraints.get_constraint_entries(i))
+            {
+              masters.push_back(partitioner.global_to_local(entry.first));
+              weights.push_back(entry.second);
+            }
+          line.end   = masters.size();
+          line.value = constraints.get_inhomogeneity(i);
+          lines.push_back(line);
+        }
+  }
+
+
+  template <int dim>
+  double
+  EulerianSpace<dim>::FlatConstraints::value(const VelocityVector &v, const Line &line) const
+  {
+    double value = 0;
+    for (unsigned int k = line.begin; k < line.end; ++k)
+      value += weights[k] * v.local_element(masters[k]);
+    return value;
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::FlatConstraints::condense(VelocityVector &v) const
+  {
+    const unsigned int n_owned = v.locally_owned_size();
+    for (const Line &line : lines)
+      if (line.unknown < n_owned)
+        {
+          const double value            = v.local_element(line.unknown);
+          v.local_element(line.unknown) = 0;
+          for (unsigned int k = line.begin; k < line.end; ++k)
+            v.local_element(masters[k]) += weights[k] * value;
+        }
+    v.compress(dealii::VectorOperation::add);
+  }
+
+
+  template <int dim>
   void
   EulerianSpace<dim>::flatten_constraints()
   {
-    constraint_lines.clear();
-    constraint_masters.clear();
-    constraint_weights.clear();
-    for (const auto i : relevant_velocity)
-      if (velocity_constraints.is_constrained(i))
-        {
-          ConstraintLine line;
-          line.unknown = velocity_partitioner->global_to_local(i);
-          line.begin   = constraint_masters.size();
-          for (const auto &entry : *velocity_constraints.get_constraint_entries(i))
-            {
-              constraint_masters.push_back(velocity_partitioner->global_to_local(entry.first));
-              constraint_weights.push_back(entry.second);
-            }
-          line.end   = constraint_masters.size();
-          line.value = velocity_constraints.get_inhomogeneity(i);
-          constraint_lines.push_back(line);
-        }
+    flat_constraints = {velocity_constraints, relevant_velocity, *velocity_partitioner};
   }
 
 
@@ -480,27 +516,31 @@ namespace feib
   EulerianSpace<dim>::condense(VelocityVector &v) const
   {
     v.zero_out_ghost_values();
-    const unsigned int n_owned = v.locally_owned_size();
-    for (const ConstraintLine &line : constraint_lines)
-      if (line.unknown < n_owned)
-        {
-          const double value            = v.local_element(line.unknown);
-          v.local_element(line.unknown) = 0;
-          for (unsigned int k = line.begin; k < line.end; ++k)
-            v.local_element(constraint_masters[k]) += constraint_weights[k] * value;
-        }
-    v.compress(dealii::VectorOperation::add);
+    flat_constraints.condense(v);
   }
 
 
   template <int dim>
-  double
-  EulerianSpace<dim>::value_from_masters(const VelocityVector &v, const ConstraintLine &line) const
+  void
+  EulerianSpace<dim>::condense_continuity(VelocityVector &v) const
   {
-    double value = 0;
-    for (unsigned int k = line.begin; k < line.end; ++k)
-      value += constraint_weights[k] * v.local_element(constraint_masters[k]);
-    return value;
+    if (!continuity)
+      {
+        const auto constraints =
+          make_continuity_constraints<dim>(velocity_dof_handler, node_lattice, relevant_velocity);
+        auto made         = std::make_unique<Continuity>();
+        made->partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
+          velocity_dof_handler.locally_owned_dofs(),
+          with_masters(relevant_velocity, constraints),
+          mpi_communicator);
+        made->constraints = {constraints, relevant_velocity, *made->partitioner};
+        continuity        = std::move(made);
+      }
+    VelocityVector with_all_masters(continuity->partitioner);
+    with_all_masters.copy_locally_owned_data_from(v);
+    continuity->constraints.condense(with_all_masters);
+    v.zero_out_ghost_values();
+    v.copy_locally_owned_data_from(with_all_masters);
   }
 
 
@@ -509,11 +549,9 @@ namespace feib
   EulerianSpace<dim>::distribute(VelocityVector &v, const bool homogeneous) const
   {
     v.update_ghost_values();
-    for (const ConstraintLine &line : constraint_lines)
-      {
-        v.local_element(line.unknown) =
-          value_from_masters(v, line) + (homogeneous ? 0. : line.value);
-      }
+    for (const auto &line : flat_constraints.lines)
+      v.local_element(line.unknown) =
+        flat_constraints.value(v, line) + (homogeneous ? 0. : line.value);
   }
 
 

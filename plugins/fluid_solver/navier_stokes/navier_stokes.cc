@@ -83,6 +83,7 @@ namespace feib
     commit() override
     {
       past.commit();
+      outlets.commit();
     }
 
     void archive(Archive &archive) override;
@@ -107,16 +108,18 @@ namespace feib
     /// From the pressure of the equations to p.
     void report_pressure(Space &space) const;
 
-    /// Load, body force and inertia of u^n: all that does not depend on the unknowns.
+    /// Load, body force, tractions and inertia of u^n: all that does not depend on the unknowns.
     VelocityVector fixed_forces(const Space &space, const Step &step);
 
     /// Puts the powers of the step that led to the state of the space into the report.
-    void account(const Space &space, const VelocityVector &reaction, Report &report) const;
+    void account(const Space &space, Report &report) const;
 
     const typename NewtonIteration<dim>::Settings settings;
     BodyForce<dim> body_force;
     std::unique_ptr<Expressions<dim>> initial_velocity;
     FluidOperators<dim> operators;
+    BoundaryTerms<dim> boundary;
+    RegulatedPressures<dim> outlets;
     StokesSolver<dim> solver;
     StartingState<dim> starting_state;
     PastSolutions<dim> past;
@@ -131,8 +134,9 @@ namespace feib
                parameters.string("convection") != "none"}
     , body_force(parameters)
     , operators(terms_of<dim>(parameters))
+    , outlets(boundary)
     , solver(method_of<dim>(parameters.string("linear_solver")))
-    , starting_state(operators, solver, settings.tolerance, settings.convects)
+    , starting_state(operators, solver, outlets, settings.tolerance, settings.convects)
   {
     if (parameters.has("initial_velocity"))
       initial_velocity =
@@ -177,6 +181,8 @@ namespace feib
       }
     const Issues of_force = body_force.check(context.space, context.times);
     issues.insert(issues.end(), of_force.begin(), of_force.end());
+    const Issues of_boundary = BoundaryTerms<dim>::check(context.space, context.times);
+    issues.insert(issues.end(), of_boundary.begin(), of_boundary.end());
     if (!issues.empty())
       throw Error(issues);
   }
@@ -189,6 +195,8 @@ namespace feib
     if (revision == space.revision())
       return;
     operators.reinit(space);
+    boundary.reinit(space);
+    outlets.reinit(space);
     starting_state.reinit(space);
     if (revision != 0) // else they have been read, for this mesh
       past.forget();
@@ -210,6 +218,8 @@ namespace feib
     // Boundary values alone are not divergence-free either.
     if (masses || space.velocity.linfty_norm() > 0)
       project(space, masses);
+    prepare(space);
+    starting_state.set_fluxes(space, 0., masses);
   }
 
 
@@ -231,6 +241,8 @@ namespace feib
     forces += step.load;
     if (body_force.exists())
       forces += body_force.load(space, step.time);
+    if (boundary.exists(space.domain()))
+      forces += boundary.load(space, step.time, outlets.pressures(space));
     starting_state.find_pressure(space, step, forces);
     report_pressure(space);
   }
@@ -250,8 +262,12 @@ namespace feib
   NavierStokes<dim>::archive(Archive &archive)
   {
     past.archive(archive);
+    archive("outlets", outlets);
     if (archive.persistent())
-      solver.forget();
+      {
+        solver.forget();
+        outlets.forget();
+      }
   }
 
 
@@ -289,15 +305,16 @@ namespace feib
     fixed += step.load;
     if (body_force.exists())
       fixed += body_force.load(space, step.time);
+    if (boundary.exists(space.domain()))
+      fixed +=
+        boundary.load(space, step.time, std::vector<double>(space.domain().conditions.size(), 0.));
     return fixed;
   }
 
 
   template <int dim>
   void
-  NavierStokes<dim>::account(const Space &space,
-                             const VelocityVector &reaction,
-                             Report &report) const
+  NavierStokes<dim>::account(const Space &space, Report &report) const
   {
     report.dissipation = operators.dissipation(space.velocity);
     VelocityVector increment(space.velocity);
@@ -311,12 +328,6 @@ namespace feib
         force.compress(dealii::VectorOperation::add);
         report.convection_power = force * space.velocity;
       }
-    for (const auto &condition : space.domain().conditions)
-      if (condition.velocity)
-        {
-          report.boundary_power = -(reaction * space.velocity);
-          break;
-        }
     if (body_force.exists())
       report.body_force_power = body_force.last_load() * space.velocity;
   }
@@ -335,12 +346,18 @@ namespace feib
     const VelocityVector fixed = fixed_forces(space, step);
 
     Report report;
-    NewtonIteration<dim> iteration(settings, operators, solver, space, step, fixed);
+    outlets.begin(space, step.time, step.dt);
+    NewtonIteration<dim> iteration(settings, operators, solver, outlets, space, step, fixed);
     iteration.run(report);
-    account(space, iteration.reaction(), report);
+    outlets.finish(outlets.fluxes(space));
+    account(space, report);
     past.keep(space, step.time);
     if (total_pressure())
       report_pressure(space);
+    report.boundary =
+      boundary.exchange(space, iteration.reaction(), step.time, outlets.pressures(space));
+    for (const auto &exchange : report.boundary)
+      report.boundary_power += exchange.power;
     return report;
   }
 } // namespace feib

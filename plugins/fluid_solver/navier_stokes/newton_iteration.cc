@@ -14,12 +14,14 @@ namespace feib
   NewtonIteration<dim>::NewtonIteration(const Settings &settings,
                                         FluidOperators<dim> &operators,
                                         StokesSolver<dim> &solver,
+                                        RegulatedPressures<dim> &outlets,
                                         EulerianSpace<dim> &space,
                                         const typename FluidSolver<dim>::Step &step,
                                         const VelocityVector &fixed_forces)
     : settings(settings)
     , operators(operators)
     , solver(solver)
+    , outlets(outlets)
     , space(space)
     , step(step)
     , fixed_forces(fixed_forces)
@@ -28,7 +30,10 @@ namespace feib
     // What is left of the divergence moves what structures enclose, and costs little to lower.
     , tighter(settings.convects ? 4 : 1)
   {
+    if (!outlets.empty())
+      start_outlets();
     VelocityVector condensed = fixed_forces;
+    outlets.add_load(condensed);
     space.condense(condensed);
     present = residual();
     scale   = std::max({condensed.l2_norm(), present.implicit_load, present.norms.momentum});
@@ -60,6 +65,9 @@ namespace feib
     result.momentum.compress(dealii::VectorOperation::add);
     result.divergence.compress(dealii::VectorOperation::add);
     result.momentum += fixed_forces;
+    outlets.add_load(result.momentum);
+    if (!outlets.empty())
+      result.outlets = outlets.residual(outlets.fluxes(space));
     if (step.implicit_load)
       {
         VelocityVector load = space.make_velocity();
@@ -92,9 +100,10 @@ namespace feib
   {
     const ResidualNorms &norms = present.norms;
     // The divergence is a linear equation: any correction solves it as far as round-off allows.
-    return first ? scale == 0. && norms.divergence == 0.
+    return first ? scale == 0. && norms.divergence == 0. && present.outlets == 0.
                  : norms.momentum <= settings.tolerance * scale &&
-                     norms.divergence <= settings.tolerance / tighter * flux;
+                     norms.divergence <= settings.tolerance / tighter * flux &&
+                     present.outlets <= settings.tolerance;
   }
 
 
@@ -136,22 +145,50 @@ namespace feib
     VelocityVector du   = space.make_velocity();
     PressureVector dp   = space.make_pressure();
     report.linear_iterations +=
-      solver.solve({space,
-                    operators,
-                    rate,
-                    settings.convects ? &space.velocity : nullptr,
-                    settings.convects ? operators.cfl_rate(space.velocity) * step.dt : 0.,
-                    step.implicit_load},
-                   present.momentum,
-                   present.divergence,
-                   weight,
-                   target,
-                   du,
-                   dp);
+      solver.solve(equations(), present.momentum, present.divergence, weight, target, du, dp);
     ++report.nonlinear_iterations;
     space.distribute(du, true);
     dp.update_ghost_values();
+    report.linear_iterations += outlets.correct(space, equations(), solver, du, dp);
     add(du, dp);
+  }
+
+
+  template <int dim>
+  StokesEquations<dim>
+  NewtonIteration<dim>::equations() const
+  {
+    return {space,
+            operators,
+            rate,
+            settings.convects ? &space.velocity : nullptr,
+            settings.convects ? operators.cfl_rate(space.velocity) * step.dt : 0.,
+            step.implicit_load};
+  }
+
+
+  template <int dim>
+  void
+  NewtonIteration<dim>::start_outlets()
+  {
+    // The answers of the fluid are those of equations at the first guess.
+    if (settings.convects)
+      operators.convection().set_velocity(space.velocity);
+    if (step.implicit_load)
+      {
+        VelocityVector load = space.make_velocity();
+        step.implicit_load->evaluate(space.velocity, load);
+      }
+    VelocityVector du = space.make_velocity();
+    PressureVector dp = space.make_pressure();
+    outlets.correct(space, equations(), solver, du, dp);
+    space.velocity.zero_out_ghost_values();
+    space.pressure.zero_out_ghost_values();
+    space.velocity += du;
+    space.pressure += dp;
+    space.distribute(space.velocity, false);
+    space.pressure.update_ghost_values();
+    outlets.add(1.);
   }
 
 
@@ -167,6 +204,7 @@ namespace feib
         space.pressure.zero_out_ghost_values();
         space.velocity.add(length - taken, du);
         space.pressure.add(length - taken, dp);
+        outlets.add(length - taken);
         taken = length;
         if (space.domain().enclosed())
           remove_mean_pressure(space);

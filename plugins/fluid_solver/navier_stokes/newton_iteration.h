@@ -2,6 +2,7 @@
 #ifndef feib_plugins_navier_stokes_newton_iteration_h
 #define feib_plugins_navier_stokes_newton_iteration_h
 
+#include "regulated_pressures.h"
 #include "residual_norms.h"
 #include "stokes_solver.h"
 
@@ -32,6 +33,7 @@ namespace feib
     NewtonIteration(const Settings &settings,
                     FluidOperators<dim> &operators,
                     StokesSolver<dim> &solver,
+                    RegulatedPressures<dim> &outlets,
                     EulerianSpace<dim> &space,
                     const typename FluidSolver<dim>::Step &step,
                     const VelocityVector &fixed_forces);
@@ -56,7 +58,11 @@ namespace feib
       PressureVector divergence;
       ResidualNorms norms;
       double implicit_load = 0; // norm, condensed
+      double outlets       = 0; // RegulatedPressures::residual()
     };
+
+    /// The linear equations of a correction.
+    StokesEquations<dim> equations() const;
 
     /// At the state of the space.
     Residual residual();
@@ -70,6 +76,9 @@ namespace feib
     /// residual fall.
     void add(const VelocityVector &du, const PressureVector &dp);
 
+    /// Makes the first guess obey the equations of outlets.
+    void start_outlets();
+
     /// What the divergence is compared with.
     double flux() const;
 
@@ -79,6 +88,7 @@ namespace feib
     const Settings settings;
     FluidOperators<dim> &operators;
     StokesSolver<dim> &solver;
+    RegulatedPressures<dim> &outlets;
     EulerianSpace<dim> &space;
     const typename FluidSolver<dim>::Step &step;
     const VelocityVector &fixed_forces;

@@ -10,11 +10,13 @@ namespace feib
   template <int dim>
   StartingState<dim>::StartingState(FluidOperators<dim> &operators,
                                     StokesSolver<dim> &solver,
+                                    const RegulatedPressures<dim> &outlets,
                                     const double tolerance,
                                     const bool convects)
     : operators(operators)
     , inertia({operators.terms().rho, 0., 0., false, ConvectiveForm::rotational})
     , solver(solver)
+    , outlets(outlets)
     , tolerance(tolerance)
     , convects(convects)
   {}
@@ -71,6 +73,17 @@ namespace feib
         multiplier += dp;
         multiplier.update_ghost_values();
       }
+  }
+
+
+  template <int dim>
+  void
+  StartingState<dim>::set_fluxes(EulerianSpace<dim> &space,
+                                 const double time,
+                                 ImplicitLoad<dim> *const masses)
+  {
+    outlets.adjust(
+      space, time, {space, inertia, rate, nullptr, 0., masses}, solver, space.velocity);
   }
 
 

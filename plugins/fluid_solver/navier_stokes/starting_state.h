@@ -3,7 +3,7 @@
 #define feib_plugins_navier_stokes_starting_state_h
 
 #include "operators/fluid_operators.h"
-#include "stokes_solver.h"
+#include "regulated_pressures.h"
 
 #include <feib/implicit_load.h>
 
@@ -18,6 +18,7 @@ namespace feib
     /// @p operators, those of the flow, and @p solver must live as long.
     StartingState(FluidOperators<dim> &operators,
                   StokesSolver<dim> &solver,
+                  const RegulatedPressures<dim> &outlets,
                   double tolerance,
                   bool convects);
 
@@ -27,6 +28,11 @@ namespace feib
     /// The discretely divergence-free velocity nearest to that of the space, in the energy of the
     /// fluid and of excess @p masses, if any. Collective. Throws RunFailure.
     void project(EulerianSpace<dim> &space, ImplicitLoad<dim> *masses);
+
+    /// Gives the velocity of the space, which must be discretely divergence-free, the fluxes that
+    /// are prescribed at that time, by the change that pressures at these faces make at once.
+    /// Collective. Throws RunFailure.
+    void set_fluxes(EulerianSpace<dim> &space, double time, ImplicitLoad<dim> *masses);
 
     /// What FluidSolver::find_pressure() does, given all @p forces that do not depend on the
     /// velocity, not condensed; the pressure is that of the equations. Collective. Throws
@@ -44,6 +50,7 @@ namespace feib
     FluidOperators<dim> &operators;
     FluidOperators<dim> inertia; // without viscosity
     StokesSolver<dim> &solver;
+    const RegulatedPressures<dim> &outlets;
     const double tolerance;
     const bool convects;
   };
