@@ -15,6 +15,7 @@
 namespace feib
 {
   class Registry;
+  class TimeSeries;
 
   /// A read-only view of one block of a validated, default-filled case: what a component is built
   /// from. Every key a schema lists is there, so a getter that meets a missing key or another type
@@ -60,6 +61,9 @@ namespace feib
 
     /// The named constants that the case's expressions may use.
     const std::map<std::string, double> &constants() const;
+
+    /// The named series of the case, functions of one variable in its expressions.
+    const std::map<std::string, std::shared_ptr<const TimeSeries>> &series() const;
 
     /// The folder that relative file names in the case are meant from.
     const std::string &directory() const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.h"
+#include "time_series.h"
 #include <feib/text_file.h>
 
 #include <feib/case.h>
@@ -278,6 +279,44 @@ namespace feib
     }
 
 
+    /// The series of the case.
+    std::map<std::string, std::shared_ptr<const TimeSeries>>
+    series(const Json &document,
+           const std::map<std::string, double> &constants,
+           const std::string &folder,
+           const MPI_Comm communicator,
+           Issues &issues)
+    {
+      std::map<std::string, std::shared_ptr<const TimeSeries>> result;
+      for (const auto &[name, value] : document["series"].items())
+        {
+          const std::string pointer = "/series" + pointer_part(name);
+          if (!is_identifier(name) || is_expression_word(name) || constants.count(name) != 0)
+            {
+              issues.push_back({pointer,
+                                quoted(name) +
+                                  " cannot name a series: letters, digits and underscores are "
+                                  "allowed, a digit not first, and no word of expressions and no "
+                                  "constant"});
+              continue;
+            }
+          try
+            {
+              result[name] = std::make_shared<const TimeSeries>(
+                (std::filesystem::path(folder) / value["file"].get<std::string>()).string(),
+                value.value("column", ""),
+                value["repeat"].get<bool>(),
+                communicator);
+            }
+          catch (const Error &error)
+            {
+              issues.push_back({pointer + "/file", error.what()});
+            }
+        }
+      return result;
+    }
+
+
     std::string
     position(const std::string &text, const std::size_t offset)
     {
@@ -325,14 +364,11 @@ namespace feib
 
     document          = Json::parse(resolved_text);
     const auto known  = constants(document, issues);
-    const auto folder = std::filesystem::path(file).parent_path().string();
-    const auto shared = std::make_shared<Document>(Document{std::move(document),
-                                                            &registry,
-                                                            known,
-                                                            !directory.empty() ? directory
-                                                            : folder.empty()   ? "."
-                                                                               : folder,
-                                                            communicator});
+    const auto parent = std::filesystem::path(file).parent_path().string();
+    const auto folder = !directory.empty() ? directory : parent.empty() ? "." : parent;
+    const auto given  = series(document, known, folder, communicator, issues);
+    const auto shared = std::make_shared<Document>(
+      Document{std::move(document), &registry, known, given, folder, communicator});
     if (!issues.empty())
       throw Error(issues);
     view = std::make_unique<Parameters>(

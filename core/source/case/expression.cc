@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "time_series.h"
+
 #include <feib/expression.h>
 #include <feib/message.h>
 
@@ -18,7 +20,7 @@ namespace feib
     const std::vector<std::string> reference_names = {"s1", "s2", "s3"};
 
 
-    /// A parser that knows the functions, pi and e, and nothing else.
+    /// A parser that knows the functions.
     mu::Parser
     make_parser()
     {
@@ -36,6 +38,28 @@ namespace feib
         "ceil", +[](const double a) { return std::ceil(a); });
       parser.DefineFun(
         "erf", +[](const double a) { return std::erf(a); });
+      parser.DefineFun(
+        "ramp", +[](const double a) {
+          return a <= 0 ? 0. : a >= 1 ? 1. : (1 - std::cos(M_PI * a)) / 2;
+        });
+      return parser;
+    }
+
+
+    /// The same with the constants and series of a case, which must live as long.
+    mu::Parser
+    make_parser(const Parameters &parameters)
+    {
+      mu::Parser parser = make_parser();
+      for (const auto &[name, value] : parameters.constants())
+        parser.DefineConst(name, value);
+      for (const auto &[name, series] : parameters.series())
+        parser.DefineFunUserData(
+          name,
+          +[](void *series, const double t) {
+            return (*static_cast<const TimeSeries *>(series))(t);
+          },
+          const_cast<TimeSeries *>(series.get()));
       return parser;
     }
 
@@ -99,6 +123,7 @@ namespace feib
         , variables(variables)
         , has_time(variables != Variables::reference)
         , components(texts.size())
+        , series(parameters.series())
       {
         const auto &all = variables == Variables::space_time ? space_names : reference_names;
         std::vector<std::string> names;
@@ -112,12 +137,10 @@ namespace feib
             components[i].pointer = parameters.pointer() + "/" + place(key, i, texts.size());
             components[i].text    = texts[i];
             mu::Parser &parser    = components[i].parser;
-            parser                = make_parser();
+            parser                = make_parser(parameters);
             std::string problem;
             try
               {
-                for (const auto &[name, value] : parameters.constants())
-                  parser.DefineConst(name, value);
                 for (const std::string &name : names)
                   parser.DefineVar(name,
                                    name == "t" ? &values[dim] : &values[&name - names.data()]);
@@ -176,6 +199,7 @@ namespace feib
       const bool has_time;
       mutable std::array<double, dim + 1> values; // the parsers hold pointers to them
       mutable std::vector<Component> components;
+      const std::map<std::string, std::shared_ptr<const TimeSeries>> series; // in the parsers
 
       void
       set_variables(const dealii::Point<dim> &p) const
@@ -276,9 +300,7 @@ namespace feib
     const auto texts = parameters.expressions(key);
     for (std::size_t i = 0; i < texts.size(); ++i)
       {
-        mu::Parser parser = make_parser();
-        for (const auto &[name, value] : parameters.constants())
-          parser.DefineConst(name, value);
+        mu::Parser parser = make_parser(parameters);
         try
           {
             parser.SetExpr(texts[i]);

@@ -34,6 +34,7 @@ namespace feib
     Json root;
     const Registry *registry;
     std::map<std::string, double> constants;
+    std::map<std::string, std::shared_ptr<const TimeSeries>> series;
     std::string directory;
     MPI_Comm communicator;
   };

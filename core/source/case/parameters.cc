@@ -214,6 +214,13 @@ namespace feib
   }
 
 
+  const std::map<std::string, std::shared_ptr<const TimeSeries>> &
+  Parameters::series() const
+  {
+    return node->document->series;
+  }
+
+
   const std::string &
   Parameters::directory() const
   {

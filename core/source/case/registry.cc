@@ -178,7 +178,7 @@ namespace feib
     if (!issues.empty())
       throw Error(issues);
     const auto document = std::make_shared<Document>(
-      Document{Json::parse(filled), this, mathematical_constants(), ".", communicator});
+      Document{Json::parse(filled), this, mathematical_constants(), {}, ".", communicator});
     return Parameters(
       std::make_shared<Parameters::Node>(Parameters::Node{document, &document->root, ""}));
   }

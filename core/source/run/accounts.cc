@@ -181,6 +181,11 @@ namespace feib
     row.emplace_back("leak_" + model.name(), totals.leak[s]);
     row.emplace_back("time_error_" + model.name(), totals.time_error[s]);
     add_impulse(row, model.name(), exchange.power, exchange.force, exchange.torque);
+    if (const auto &coefficients = components.coefficients)
+      {
+        row.emplace_back("drag_" + model.name(), coefficients->drag(exchange.force));
+        row.emplace_back("lift_" + model.name(), coefficients->lift(exchange.force));
+      }
     const std::vector<std::string> forces = model.force_names();
     const std::vector<double> energies    = model.force_energies(model.positions);
     for (unsigned int f = 0; f < forces.size(); ++f)

@@ -63,6 +63,15 @@ namespace feib
       space = std::make_unique<EulerianSpace<dim>>(std::move(domain), parameters.communicator());
     });
     collect(issues, [&] { fluid = parameters.child("fluid").template create<FluidSolver<dim>>(); });
+    collect(issues, [&] {
+      if (fluid && parameters.has("coefficients"))
+        coefficients.emplace(parameters.child("coefficients"), fluid->density());
+    });
+    collect(issues, [&] {
+      if (space && parameters.has("initial_state"))
+        earlier_flow =
+          std::make_unique<EarlierFlow<dim>>(parameters.child("initial_state"), space->domain());
+    });
     build_structures(parameters, issues);
     build_time(parameters.child("time"), issues);
     collect(issues, [&] {

@@ -2,14 +2,16 @@
 #ifndef feib_components_h
 #define feib_components_h
 
+#include "coefficients.h"
+#include "earlier_flow.h"
 #include "step_control.h"
 
 #include <feib/output_writer.h>
 #include <feib/refinement_strategy.h>
 #include <feib/time_integrator.h>
 
-
 #include <memory>
+#include <optional>
 
 namespace feib
 {
@@ -36,6 +38,8 @@ namespace feib
     std::vector<std::unique_ptr<OutputWriter<dim>>> writers;
     std::vector<std::string> writer_names; // component, and name where there is one
     std::unique_ptr<dealii::Function<dim>> exact_velocity, exact_pressure; // null when not given
+    std::optional<Coefficients<dim>> coefficients;                         // none when not given
+    std::unique_ptr<const EarlierFlow<dim>> earlier_flow;                  // null when not given
     std::unique_ptr<StepControl> control;
     Timers timers;
 

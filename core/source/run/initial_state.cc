@@ -15,7 +15,13 @@ namespace feib
     // Excess mass has a velocity of its own, which becomes that of the fluid as in an inelastic
     // collision: schemes that damp nothing would have the difference alternate for ever.
     InertialLoad<dim> inertia(space, components.structures, 1.);
-    components.fluid->initialize(space, inertia.empty() ? nullptr : &inertia);
+    ImplicitLoad<dim> *const masses = inertia.empty() ? nullptr : &inertia;
+    components.fluid->initialize(space, masses);
+    if (components.earlier_flow)
+      {
+        components.earlier_flow->interpolate(space);
+        components.fluid->project(space, masses);
+      }
     space.old_velocity   = space.velocity;
     space.older_velocity = space.velocity;
     for (ImmersedStructure<dim> &structure : components.structures)

@@ -68,8 +68,11 @@ namespace feib
   {
     const auto [folder, manifest] = Checkpoints::newest(run_folder);
     CheckpointInfo result;
-    result.folder         = folder;
-    result.case_text      = manifest.at("case").dump(2);
+    result.folder = folder;
+    // What a run began with is in the checkpoint, and need not be there any more.
+    Json description = manifest.at("case");
+    description.erase("initial_state");
+    result.case_text      = description.dump(2);
     result.case_directory = manifest.at("case_directory").get<std::string>();
     result.step           = manifest.at("step").get<unsigned int>();
     result.time           = manifest.at("time").get<double>();

@@ -98,6 +98,7 @@ namespace feib
       Components<dim> parts;
       Accounts<dim> accounts;
       Judge<dim> judge;
+      Statistics statistics;
       RunRecord record;
       double end_time = 0, given_step = 0; // by the case
       bool flux_told = false;
@@ -120,6 +121,7 @@ namespace feib
       : parts(description.parameters())
       , accounts(parts)
       , judge(parts, accounts, description.parameters().child("time"))
+      , statistics(description.parameters())
       , checkpoints(description.parameters().child("checkpoint"))
       , case_text(description.resolved())
       , case_directory(description.parameters().directory())
@@ -159,6 +161,7 @@ namespace feib
     {
       archive_step(archive);
       archive("accounts", accounts);
+      archive("statistics", statistics);
       archive("timers", parts.timers);
       archive("refinement", *parts.refinement);
       archive("control", *parts.control);
@@ -426,6 +429,7 @@ namespace feib
           agree(parts.space->communicator(), [&] {
             refine();
             advance();
+            statistics.add(accounts.ledger);
             tell_spread_flux();
             record.step_seconds.add(seconds_since(step_start));
             write_outputs(options.directory, false);
@@ -452,7 +456,7 @@ namespace feib
     SimulationInDimension<dim>::end_with(const Options &options, const Ending &ending)
     {
       record.wall_seconds = seconds_before + seconds_since(start);
-      write_summary(options.directory, ending, judge.verdict, parts, accounts, record);
+      write_summary(options.directory, ending, judge.verdict, parts, accounts, statistics, record);
     }
 
 

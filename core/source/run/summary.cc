@@ -81,6 +81,7 @@ namespace feib
     Json
     summary(const Components<dim> &components,
             const Accounts<dim> &accounts,
+            const Statistics &statistics,
             const RunRecord &record)
     {
       const EulerianSpace<dim> &space = *components.space;
@@ -127,7 +128,11 @@ namespace feib
             structure_summary(model, totals.leak[s], totals.time_error[s]));
           if (ledger.n_rows() > 0)
             add_last_row(result["structures"].back(), model, ledger);
+          if (const auto f = statistics.frequency("lift_" + model.name()))
+            result["structures"].back()["strouhal"] = components.coefficients->strouhal(*f);
         }
+      if (Json of_window = statistics.to_json(); !of_window.is_null())
+        result["statistics"] = std::move(of_window);
       if (components.exact_velocity && ledger.n_rows() > 0)
         {
           const ErrorNorms norms = error_norms(space,
@@ -184,10 +189,11 @@ namespace feib
                 const Verdict &verdict,
                 const Components<dim> &components,
                 const Accounts<dim> &accounts,
+                const Statistics &statistics,
                 const RunRecord &record)
   {
     Json result = document(ending, verdict);
-    result.update(summary(components, accounts, record));
+    result.update(summary(components, accounts, statistics, record));
     agree(components.space->communicator(), [&] {
       if (dealii::Utilities::MPI::this_mpi_process(components.space->communicator()) != 0)
         return;
@@ -220,11 +226,13 @@ namespace feib
                               const Verdict &,
                               const Components<2> &,
                               const Accounts<2> &,
+                              const Statistics &,
                               const RunRecord &);
   template void write_summary(const std::string &,
                               const Ending &,
                               const Verdict &,
                               const Components<3> &,
                               const Accounts<3> &,
+                              const Statistics &,
                               const RunRecord &);
 } // namespace feib

@@ -4,6 +4,7 @@
 
 #include "accounts.h"
 #include "json.h"
+#include "statistics.h"
 #include "verdict.h"
 
 namespace feib
@@ -76,6 +77,7 @@ namespace feib
                      const Verdict &verdict,
                      const Components<dim> &components,
                      const Accounts<dim> &accounts,
+                     const Statistics &statistics,
                      const RunRecord &record);
 
   /// What one rank can write of it when the others do not answer, and into log.txt.

@@ -7,6 +7,7 @@
 #include <deal.II/base/data_out_base.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/numerics/data_out.h>
+#include <deal.II/numerics/data_postprocessor.h>
 
 #include <cerrno>
 #include <cstring>
@@ -222,6 +223,68 @@ namespace
   }
 
 
+  /// What the gradient of the velocity says, from each cell by itself: vorticity, the Q criterion
+  /// (|W|^2 - |D|^2)/2 of its antisymmetric and symmetric parts, and the shear rate sqrt(2 D : D).
+  template <int dim>
+  class Derivatives : public DataPostprocessor<dim>
+  {
+  public:
+    void
+    evaluate_vector_field(const DataPostprocessorInputs::Vector<dim> &inputs,
+                          std::vector<Vector<double>> &results) const override
+    {
+      for (unsigned int q = 0; q < results.size(); ++q)
+        {
+          const auto &gradient = inputs.solution_gradients[q]; // [a][b]: d_b u_a
+          double symmetric = 0, antisymmetric = 0;
+          for (unsigned int a = 0; a < dim; ++a)
+            for (unsigned int b = 0; b < dim; ++b)
+              {
+                symmetric += std::pow((gradient[a][b] + gradient[b][a]) / 2, 2);
+                antisymmetric += std::pow((gradient[a][b] - gradient[b][a]) / 2, 2);
+              }
+          results[q][0] = (antisymmetric - symmetric) / 2;
+          results[q][1] = std::sqrt(2 * symmetric);
+          if (dim == 2)
+            results[q][2] = gradient[1][0] - gradient[0][1];
+          else
+            for (unsigned int a = 0; a < dim; ++a)
+              {
+                const unsigned int b = (a + 1) % dim, c = (a + 2) % dim;
+                results[q][2 + a] = gradient[c][b] - gradient[b][c];
+              }
+        }
+    }
+
+    std::vector<std::string>
+    get_names() const override
+    {
+      std::vector<std::string> names = {"q_criterion", "shear_rate"};
+      names.resize(dim == 2 ? 3 : 5, "vorticity");
+      return names;
+    }
+
+    std::vector<DataComponentInterpretation::DataComponentInterpretation>
+    get_data_component_interpretation() const override
+    {
+      using namespace DataComponentInterpretation;
+      std::vector<DataComponentInterpretation::DataComponentInterpretation> result(
+        2, component_is_scalar);
+      if (dim == 2)
+        result.push_back(component_is_scalar);
+      else
+        result.resize(5, component_is_part_of_vector);
+      return result;
+    }
+
+    UpdateFlags
+    get_needed_update_flags() const override
+    {
+      return update_gradients;
+    }
+  };
+
+
   template <int dim>
   class Vtu : public feib::OutputWriter<dim>
   {
@@ -230,6 +293,7 @@ namespace
 
     explicit Vtu(const feib::Parameters &parameters)
       : steps(parameters.integer("interval"))
+      , derivatives(parameters.boolean("derivatives"))
     {}
 
     unsigned int
@@ -291,6 +355,9 @@ namespace
                           std::vector<DataComponentInterpretation::DataComponentInterpretation>(
                             dim, component_is_part_of_vector));
       out.add_data_vector(space.pressure_handler(), pressure, "pressure");
+      const Derivatives<dim> of_velocity;
+      if (derivatives)
+        out.add_data_vector(space.velocity_handler(), velocity, of_velocity);
       out.add_data_vector(level, "level", DataOut<dim>::type_cell_data);
       out.add_data_vector(subdomain, "subdomain", DataOut<dim>::type_cell_data);
       // Lagrange cells of degree 2 hold Q2 fields as they are.
@@ -401,6 +468,7 @@ namespace
     static constexpr const char *series_end = "</Collection>\n</VTKFile>\n";
 
     const unsigned int steps;
+    const bool derivatives;
     std::map<std::string, feib::AppendedFile> series; // the .pvd files, on rank 0
   };
 } // namespace

@@ -20,7 +20,8 @@ namespace
       "membrane",
       R"({"name": "s", "law": {"neo_hookean": {"shear_modulus": 1}}, "mesh": )" + mesh + "}");
     const auto force = registry().create<StructureForce<dim>>("bending", bending);
-    force->attach({model->mesh(), model->positions, {}, {0.}});
+    const auto box   = unit_box<dim>();
+    force->attach({model->mesh(), model->positions, {}, {0.}, box});
     return force->energy(model->positions);
   }
 
@@ -105,7 +106,8 @@ TEST(Bending, BodiesAreRefused)
   const auto force = registry().create<StructureForce<2>>("bending", R"({"rigidity": 1})");
   try
     {
-      force->attach({model->mesh(), model->positions, {}, {0.}});
+      const auto box = unit_box<2>();
+      force->attach({model->mesh(), model->positions, {}, {0.}, box});
       FAIL();
     }
   catch (const Error &error)

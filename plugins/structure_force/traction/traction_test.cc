@@ -14,7 +14,8 @@ namespace
   load(const StructureModel<dim> &model, const std::string &traction)
   {
     const auto force = registry().create<StructureForce<dim>>("traction", traction);
-    force->attach({model.mesh(), model.positions, {}, {0.}});
+    const auto box   = feib::testing::unit_box<dim>();
+    force->attach({model.mesh(), model.positions, {}, {0.}, box});
     NodalField<dim> result(model.mesh());
     force->load(model.positions, result);
     force->external_load(model.positions, result);

@@ -39,6 +39,21 @@ namespace feib::testing
                                                 "{" + common + mesh + "}");
   }
 
+  /// A box that these structures are in, with walls.
+  template <int dim>
+  Domain<dim>
+  unit_box()
+  {
+    dealii::Point<dim> upper;
+    std::array<unsigned int, dim> cells;
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        upper[a] = 1;
+        cells[a] = 8;
+      }
+    return Domain<dim>(dealii::Point<dim>(), upper, cells);
+  }
+
   /// What every force on structures must keep, tried for one block of it on one structure.
   template <int dim>
   class StructureForceRequirements
@@ -46,7 +61,7 @@ namespace feib::testing
   public:
     explicit StructureForceRequirements(const Registry &registry)
       : registry(registry)
-      , box(unit_box())
+      , box(unit_box<dim>())
     {}
 
     /// Whether the force was attached: it may refuse a structure.
@@ -89,19 +104,6 @@ namespace feib::testing
     std::string refusal;
 
   private:
-    static Domain<dim>
-    unit_box()
-    {
-      dealii::Point<dim> upper;
-      std::array<unsigned int, dim> cells;
-      for (unsigned int a = 0; a < dim; ++a)
-        {
-          upper[a] = 1;
-          cells[a] = 8;
-        }
-      return Domain<dim>(dealii::Point<dim>(), upper, cells);
-    }
-
     NodalField<dim>
     random(const unsigned int seed) const
     {
