@@ -251,8 +251,8 @@ TEST(Schema, NamesComponentsOfASlot)
             "\"ledger_csv\", \"vtu\"\n");
   EXPECT_EQ(explained("/domain/boundary", {{"x_min", Json::object()}}),
             "/domain/boundary/x_min: must have exactly 1 key, found 0; allowed are \"no_slip\", "
-            "\"velocity\", "
-            "\"free_slip\", \"outflow\"\n");
+            "\"velocity\", \"free_slip\", \"outflow\", \"pressure\", \"traction\", \"flux\", "
+            "\"windkessel\", \"parts\"\n");
 
   const Registry nothing;
   const Issues issues = Schema::compose(nothing).explain(small_case);

@@ -88,7 +88,7 @@ namespace feib
                 return from(x) <= touching;
               });
               for (unsigned int i = 0; i < X.size(); ++i)
-                if (from(initial[i]) > (stands ? near : touching))
+                if (from(initial[i]) > (stands ? 2 * near : touching))
                   result = std::min(result, from(X[i]));
             }
         }
