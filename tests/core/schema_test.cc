@@ -348,6 +348,36 @@ TEST(Schema, RulesForComponents)
                 .empty());
 }
 
+TEST(Schema, FragmentsOfComponents)
+{
+  const Json number = {{"type", "number"}, {"description", "A number."}, {"default", 1}};
+  const Json one    = {{"fragment", "number"}};
+  Json schema       = Json::parse(stokes_schema);
+  schema["fragments"]["number"] = number;
+  schema["properties"]["d"]     = one;
+  schema["properties"]["e"]     = one;
+  EXPECT_TRUE(Schema::component_issues(schema.dump()).empty());
+  Registry registry;
+  registry.add<fluid_solver_interface, fluid_solver_component>("stokes", schema.dump());
+  const Json composed =
+    Json::parse(Schema::compose(registry).text())["definitions"]["fluid_solver.stokes"];
+  EXPECT_EQ(composed["properties"]["d"], number);
+  EXPECT_EQ(composed["properties"]["e"], number);
+  EXPECT_FALSE(composed.contains("fragments"));
+
+  const auto said = [&](const std::string &pointer, const Json &value) {
+    Json changed                         = schema;
+    changed[Json::json_pointer(pointer)] = value;
+    const Issues issues                  = Schema::component_issues(changed.dump());
+    return issues.empty() ? "" : issues[0].message;
+  };
+  EXPECT_EQ(said("/properties/d/fragment", "digit"),
+            "names the fragment \"digit\", which is not among its fragments");
+  EXPECT_EQ(said("/fragments/number/items", one), "the fragment \"number\" holds itself");
+  EXPECT_NE(said("/properties/d/default", 1), "") << "a fragment is nothing else";
+  EXPECT_NE(said("/fragments/number/default", "a"), "") << "its default must be valid";
+}
+
 TEST(Schema, RefusesWhatIsNotJson)
 {
   EXPECT_THROW(Schema("{"), Error);

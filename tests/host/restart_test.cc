@@ -398,7 +398,7 @@ namespace
   }
 
 
-  /// Springs that move, damp and break, weight, dead and follower loads.
+  /// Springs that move, damp and break, weight, dead and follower loads, walls.
   TEST(Restart, ForcesToTheBit)
   {
     const TemporaryFolder folder;
@@ -416,7 +416,8 @@ namespace
           {"tether": {"stiffness": 20, "damping": 1, "on": {"where": "s1 < 0"},
                       "target": ["0.6+s1+0.1*sin(9*t)", "0.5+s2"],
                       "target_velocity": ["0.9*cos(9*t)", 0]}},
-          {"traction": {"pressure": "1 + t", "force": [0.1, 0], "on": {"boundary": true}}}])j");
+          {"traction": {"pressure": "1 + t", "force": [0.1, 0], "on": {"boundary": true}}},
+          {"contact": {"range": 0.25, "strength": 2}}])j");
         document["output"]                                  = json::parse(R"([{"ledger_csv":{}}])");
         const std::string whole = run_in_pieces(folder, document, {.05}, {1});
         expect_same_ledger(run_in_pieces(folder, document, {.025, .05}, {1, 1}), whole);

@@ -606,3 +606,31 @@ TEST_F(Validate, ACouplingThatIsNotMadeForTheGeometryIsRefused)
   description["coupling"]["regularised_delta"]["reproducing"] = true;
   accepted(description);
 }
+
+/// Whatever they are made from, and where the reason is.
+TEST_F(Validate, CurvesInThreeDimensionsAreRefused)
+{
+  json description                                    = small();
+  description["dimension"]                            = 3;
+  description["domain"]["cells"]                      = {2, 2, 2};
+  const std::vector<std::vector<std::string>> reasons = {
+    {"error: /structures/0/membrane/mesh/",
+     "curves in dimension 3 are not supported: beside a force on a line the velocity has no bound",
+     "make it a thin body (cylinder, tube)"}};
+  folder.write("line.msh",
+               "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0.2 0.5 0.5\n2 0.4 0.5 0.5\n"
+               "3 0.6 0.5 0.6\n$EndNodes\n$Elements\n2\n1 1 2 0 1 1 2\n2 1 2 0 1 2 3\n"
+               "$EndElements\n");
+  for (const json &mesh : {json{{"closed_curve", {{"length", 1}, {"elements", 9}}}},
+                           json{{"open_curve", {{"length", 1}, {"elements", 9}}}},
+                           json{{"gmsh", {{"file", "line.msh"}}}}})
+    {
+      description["structures"] = {
+        {{"membrane",
+          {{"name", "filament"},
+           {"mesh", mesh},
+           {"initial_position", {"0.5 + 0.2*cos(2*pi*s1)", "0.5 + 0.2*sin(2*pi*s1)", "0.5"}},
+           {"law", {{"anisotropic_linear", {{"stiffness", 1}}}}}}}}};
+      refused(description, reasons);
+    }
+}

@@ -250,3 +250,57 @@ TEST(Forces, NamesOfTheLedgerAreUnique)
   EXPECT_NE(result.output.find("found \"body_tether\" a second time"), std::string::npos)
     << result.output;
 }
+
+
+/// A heavy body that falls on another one and presses it to the bottom passes through neither, by
+/// an explicit scheme within its limit and by an implicit one in steps twenty times as long; and
+/// the balance of the energy closes.
+TEST(Forces, ContactKeepsBodiesApart)
+{
+  const std::string discs =
+    R"j({ "dimension": 2, "domain": { "upper": [0.8, 0.8], "cells": [8, 8] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.02, "convection": "none" } },
+      "structures": [ { "hyperelastic": { "name": "discs",
+        "mesh": { "parts": { "meshes": [
+          { "name": "heavy", "mesh": { "disc": { "centre": [0.39, 0.55], "radius": 0.12, "rings": 3 } } },
+          { "name": "neutral", "mesh": { "disc": { "centre": [0.41, 0.25], "radius": 0.12, "rings": 3 } } } ] } },
+        "law": { "neo_hookean": { "shear_modulus": 3, "stress_free": true } },
+        "excess_density": "s2 > 0.4 ? 1 : 0",
+        "forces": [ { "gravity": { "acceleration": [0, -20] } },
+                    { "contact": { "range": 0.08, "strength": 5 } } ] } } ],
+      "time": { "step": 0.01, "end": 0.6 },
+      "output": [ { "ledger_csv": {} } ] })j";
+  const double dt =
+    run(discs, "--set /time/step=1e-4 --set /time/end=1e-4 " + scheme_setting("fe_be"))
+      .summary["stability_limit"];
+  for (const auto &[scheme, step] :
+       std::map<std::string, double>{{"fe_be", dt}, {"lagged_midpoint", 20 * dt}})
+    {
+      SCOPED_TRACE(scheme + ", " + std::to_string(step));
+      const CaseRun result =
+        run(discs, "--set /time/step=" + std::to_string(step) + " " + scheme_setting(scheme));
+      // The limit of the start knows a gap of half of the range; the weight presses it closer.
+      for (const auto &warning : result.summary["warnings"])
+        EXPECT_TRUE(warning["kind"] == "step_limit" || warning["kind"] == "near_wall") << warning;
+      EXPECT_EQ(result.summary["retries"], 0);
+      double pressed = 0, scale = 0;
+      for (const double energy : result.ledger.at("energy_discs_contact"))
+        pressed = std::max(pressed, energy);
+      EXPECT_GT(pressed, 1e-5);
+      for (const char *column : {"kinetic", "dissipated", "potential"})
+        scale = std::max(scale, std::abs(result.ledger.at(column).back()));
+      for (const double closure : result.ledger.at("closure"))
+        EXPECT_LT(std::abs(closure), 1e-7 * scale);
+      // Between the bodies it is none in sum, until the lower one has come down to the wall.
+      bool wall = false;
+      for (unsigned int i = 0; i < result.ledger.at("time").size(); ++i)
+        if (result.ledger.at("lower_y_discs")[i] < .09)
+          wall = true;
+        else
+          {
+            EXPECT_LT(std::abs(result.ledger.at("force_y_discs_contact")[i]), 1e-12);
+          }
+      EXPECT_TRUE(wall);
+      EXPECT_GT(result.ledger.at("lower_y_discs").back(), 0);
+    }
+}

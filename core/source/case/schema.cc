@@ -47,11 +47,7 @@ namespace feib
       Expansion(Json skeleton, const Registry *registry)
         : document(std::move(skeleton))
       {
-        if (document.contains("fragments"))
-          {
-            fragments = document["fragments"];
-            document.erase("fragments");
-          }
+        take_fragments(document);
         if (registry != nullptr)
           entries = registry->entries();
         any_name = registry == nullptr;
@@ -66,12 +62,33 @@ namespace feib
       Json fragments, definitions;
       std::vector<Registry::Entry> entries;
       bool any_name;
+      unsigned int depth = 0; // of fragments in fragments
+
+      void
+      take_fragments(Json &schema)
+      {
+        fragments = schema.value("fragments", Json::object());
+        schema.erase("fragments");
+      }
 
       void
       expand(Json &schema)
       {
         if (schema.contains("fragment"))
-          schema = Json(fragments.at(schema["fragment"].get<std::string>()));
+          {
+            const auto name = schema["fragment"].get<std::string>();
+            if (!fragments.contains(name))
+              throw Error("names the fragment \"" + name + "\", which is not among its fragments");
+            Json filled = fragments[name];
+            schema.erase("fragment");
+            filled.update(schema); // what stands beside it wins
+            schema = std::move(filled);
+            if (++depth > 100)
+              throw Error("the fragment \"" + name + "\" holds itself");
+            expand(schema);
+            --depth;
+            return;
+          }
         if (schema.contains("slot"))
           fill_slot(schema);
         else
@@ -111,7 +128,10 @@ namespace feib
                 {
                   definitions[key] = nullptr; // ends the recursion of a kind that holds itself
                   Json component   = parse(entry.schema);
+                  const Json outer = fragments;
+                  take_fragments(component);
                   expand(component);
+                  fragments        = outer;
                   definitions[key] = std::move(component);
                 }
             }

@@ -27,6 +27,15 @@ namespace feib
   template <>
   const std::vector<BuiltInMesh<3>> &built_in_meshes();
 
+  /// Why there are no curves in three dimensions.
+  inline std::string
+  no_curves_in_space()
+  {
+    return "curves in dimension 3 are not supported: beside a force on a line the velocity has no "
+           "bound, so that a filament would move the faster the finer the fluid's cells are; its "
+           "thickness decides, so make it a thin body (cylinder, tube) or a strip (rectangle)";
+  }
+
   /// A disc of concentric rings of triangles.
   LagrangianMesh<2> disc_mesh(const dealii::Point<2> &centre,
                               double radius,

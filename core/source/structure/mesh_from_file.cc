@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "mesh_from_file.h"
 
+#include "built_in_meshes.h"
 #include "mesh_builder.h"
 
 #include <feib/message.h>
@@ -32,12 +33,15 @@ namespace feib
       bool fits = !file.simplices[structure_dim].empty() && file.others_dimension < structure_dim;
       for (unsigned int m = structure_dim + 1; m < 4; ++m)
         fits = fits && file.simplices[m].empty();
+      const bool lines = dim == 3 && !file.simplices[1].empty() && file.simplices[2].empty() &&
+                         file.simplices[3].empty() && file.others.empty();
       if (!fits)
         throw Error("holds " + (found.empty() ? "no elements" : found) +
                     "; a structure of dimension " + std::to_string(structure_dim) +
                     " in dimension " + std::to_string(dim) + " needs " + names[structure_dim] +
                     ", and nothing of higher dimension or another shape" +
-                    (file.others.empty() ? "" : " (in Gmsh, Mesh.RecombineAll = 0)"));
+                    (file.others.empty() ? "" : " (in Gmsh, Mesh.RecombineAll = 0)") +
+                    (lines ? "; " + no_curves_in_space() : ""));
     }
 
     /// For each place, the index of the first one that is the same but for round-off.

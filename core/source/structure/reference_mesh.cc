@@ -3,6 +3,9 @@
 
 #include "built_in_meshes.h"
 #include "mesh_from_file.h"
+#include "united_mesh.h"
+
+#include <set>
 
 namespace feib
 {
@@ -31,11 +34,13 @@ namespace feib
       for (const BuiltInMesh<dim> &known : built_in_meshes<dim>())
         if (known.structure_dim == structure_dim)
           allowed += known.name + ", ";
+      const bool line = found.rfind("1 ", 0) == 0 && dim == 3;
       mesh.fail(name,
                 name + " is a mesh of dimension " + found + "; a " +
                   (structure_dim == dim ? "thick body" : "membrane") + " in dimension " +
                   std::to_string(dim) + " needs a mesh of dimension " +
-                  std::to_string(structure_dim) + ": " + allowed + "gmsh, vtk");
+                  std::to_string(structure_dim) + ": " + allowed + "gmsh, vtk" +
+                  (line ? "; " + no_curves_in_space() : ""));
     }
 
 
@@ -62,6 +67,26 @@ namespace feib
           block.fail("file", error.issues().front().message);
         }
     }
+
+
+    template <int dim>
+    LagrangianMesh<dim>
+    unite(const Parameters &block, const unsigned int structure_dim)
+    {
+      std::vector<LagrangianMesh<dim>> meshes;
+      std::vector<std::string> names;
+      std::set<std::string> known;
+      for (const Parameters &part : block.children("meshes"))
+        {
+          meshes.push_back(make_reference_mesh<dim>(part.child("mesh"), structure_dim));
+          names.push_back(part.word("name"));
+          if (!known.insert(names.back()).second)
+            part.fail("name",
+                      "found \"" + names.back() +
+                        "\" a second time; each part needs a name of its own");
+        }
+      return united_mesh<dim>(meshes, names);
+    }
   } // namespace
 
 
@@ -70,6 +95,8 @@ namespace feib
   make_reference_mesh(const Parameters &mesh, const unsigned int structure_dim)
   {
     const auto [name, block] = mesh.choice();
+    if (name == "parts")
+      return unite<dim>(block, structure_dim);
     if (name == "gmsh")
       return read<dim>(block, structure_dim, read_gmsh_file);
     if (name == "vtk")

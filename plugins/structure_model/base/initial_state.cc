@@ -42,24 +42,31 @@ namespace feib
     }
 
 
+    /// Sets the positions of some nodes, those of the mesh in @p block, by the key
+    /// "initial_position" of @p given.
     template <int dim>
-    Positions<dim>
-    initial_positions(const Parameters &parameters, const LagrangianMesh<dim> &mesh)
+    void
+    place(const Parameters &given,
+          const Parameters &block,
+          const LagrangianMesh<dim> &mesh,
+          const std::vector<unsigned int> &of_block,
+          Positions<dim> &X)
     {
       const std::vector<dealii::Point<dim>> &nodes = mesh.nodes();
-      const auto [mesh_name, block]                = parameters.child("mesh").choice();
+      const auto [mesh_name, keys]                 = block.child("mesh").choice();
       const bool glued = mesh_name == "closed_curve" || mesh_name == "periodic_strip";
-      if (!parameters.has("initial_position"))
+      if (!given.has("initial_position"))
         {
           if (glued || mesh_name == "open_curve")
-            parameters.fail("",
-                            "lacks \"initial_position\": the reference coordinates of the mesh " +
-                              mesh_name + " are not places");
-          return nodes;
+            block.fail("",
+                       "lacks \"initial_position\": the reference coordinates of the mesh " +
+                         mesh_name + " are not places");
+          for (const unsigned int i : of_block)
+            X[i] = nodes[i];
+          return;
         }
 
-      const auto X0 =
-        parse_expressions<dim>(parameters, "initial_position", dim, Variables::reference);
+      const auto X0 = parse_expressions<dim>(given, "initial_position", dim, Variables::reference);
       const auto position = [&X0](const dealii::Point<dim> &s) {
         dealii::Point<dim> x;
         for (unsigned int i = 0; i < dim; ++i)
@@ -68,26 +75,48 @@ namespace feib
           throw Error(X0->not_finite(MPI_COMM_SELF));
         return x;
       };
-      Positions<dim> X(mesh);
       double extent = 0;
-      for (unsigned int i = 0; i < X.size(); ++i)
+      for (const unsigned int i : of_block)
         {
           X[i]   = position(nodes[i]);
-          extent = std::max(extent, X[i].distance(X[0]));
+          extent = std::max(extent, X[i].distance(X[of_block[0]]));
         }
-      if (glued)
-        for (unsigned int i = 0; i < nodes.size(); ++i)
-          if (nodes[i][0] == 0)
-            {
-              dealii::Point<dim> end = nodes[i];
-              end[0]                 = block.number("length");
-              const double gap       = position(end).distance(X[i]);
-              if (gap > 1e-6 * extent)
-                parameters.fail("initial_position",
-                                "does not close: s1 = 0 and s1 = " + readable(end[0]) +
-                                  " are the same place of the mesh " + mesh_name +
-                                  ", but their positions are " + readable(gap) + " apart");
-            }
+      for (const unsigned int i : of_block)
+        if (glued && nodes[i][0] == 0)
+          {
+            dealii::Point<dim> end = nodes[i];
+            end[0]                 = keys.number("length");
+            const double gap       = position(end).distance(X[i]);
+            if (gap > 1e-6 * extent)
+              given.fail("initial_position",
+                         "does not close: s1 = 0 and s1 = " + readable(end[0]) +
+                           " are the same place of the mesh " + mesh_name +
+                           ", but their positions are " + readable(gap) + " apart");
+          }
+    }
+
+
+    /// Of meshes of several parts each may say where it is.
+    template <int dim>
+    Positions<dim>
+    initial_positions(const Parameters &parameters, const LagrangianMesh<dim> &mesh)
+    {
+      Positions<dim> X(mesh);
+      const auto [mesh_name, block] = parameters.child("mesh").choice();
+      std::vector<Parameters> parts{parameters};
+      if (mesh_name == "parts")
+        parts = block.children("meshes");
+      std::vector<std::vector<unsigned int>> nodes(parts.size());
+      std::vector<unsigned int> part_of(mesh.n_nodes(), 0);
+      if (parts.size() > 1)
+        for (const auto &element : mesh.elements())
+          for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
+            part_of[element.nodes[k]] = element.material_id;
+      for (unsigned int i = 0; i < part_of.size(); ++i)
+        nodes[part_of[i]].push_back(i);
+      for (unsigned int p = 0; p < parts.size(); ++p)
+        place(
+          parts[p].has("initial_position") ? parts[p] : parameters, parts[p], mesh, nodes[p], X);
       return X;
     }
   } // namespace
@@ -100,9 +129,9 @@ namespace feib
                       Positions<dim> &positions)
   {
     LagrangianMesh<dim> mesh = make_reference_mesh<dim>(parameters.child("mesh"), structure_dim);
+    positions                = initial_positions(parameters, mesh); // of each part by its material
     if (structure_dim == dim && parameters.has("material"))
       set_materials(parameters, mesh);
-    positions = initial_positions(parameters, mesh);
     mesh.orient_closed_parts(positions);
     return mesh;
   }

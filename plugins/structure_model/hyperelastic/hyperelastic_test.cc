@@ -465,6 +465,80 @@ TEST(Hyperelastic, SaysWhatIsWrongWithAMesh)
              "/mesh/rectangle/cells: gives 20000 million elements"));
 }
 
+namespace
+{
+  /// A mesh of two parts, the second one moved by an initial position of its own.
+  std::string
+  two_parts(const std::string &first,
+            const std::string &second,
+            const std::string &place = R"(["s1 + 4", "s2"])")
+  {
+    return R"({"parts": {"meshes": [{"name": "first", "mesh": )" + first +
+           R"(}, {"name": "second", "mesh": )" + second + R"(, "initial_position": )" + place +
+           "}]}}";
+  }
+} // namespace
+
+// A structure of several parts is what its parts are by themselves; each is a material.
+TEST(Hyperelastic, PartsAreMeshesOfTheirOwn)
+{
+  const auto both = make_model<2>(component, two_parts(disc, ring), neo_hookean);
+  const auto a    = make_model<2>(component, disc, neo_hookean),
+             b    = make_model<2>(component, ring, neo_hookean);
+  EXPECT_EQ(both->mesh().n_nodes(), a->mesh().n_nodes() + b->mesh().n_nodes());
+  EXPECT_EQ(both->mesh().material_names(),
+            (LagrangianMesh<2>::MaterialNames{{"first", 0}, {"second", 1}}));
+  for (unsigned int e = 0; e < both->mesh().n_elements(); ++e)
+    EXPECT_EQ(both->mesh().elements()[e].material_id, e < a->mesh().n_elements() ? 0u : 1u);
+  for (unsigned int i = 0; i < both->mesh().n_nodes(); ++i)
+    {
+      const bool first = i < a->mesh().n_nodes();
+      const dealii::Point<2> expected =
+        first ? a->positions[i]
+              : b->positions[i - a->mesh().n_nodes()] + dealii::Tensor<1, 2>({4., 0.});
+      EXPECT_LT(both->positions[i].distance(expected), 1e-14);
+    }
+  EXPECT_NEAR(both->measure(both->positions),
+              a->measure(a->positions) + b->measure(b->positions),
+              1e-12);
+  EXPECT_NEAR(both->energy(both->positions),
+              a->energy(a->positions) + b->energy(b->positions),
+              1e-12);
+}
+
+// Corners across the seam of a glued mesh are where they were.
+TEST(Hyperelastic, PartsKeepTheirSeams)
+{
+  const auto both = make_model<2>(component,
+                                  two_parts(strip(20), disc, R"(["s1", "s2 + 9"])"),
+                                  neo_hookean,
+                                  strip_map);
+  const auto one  = make_model<2>(component, strip(20), neo_hookean, strip_map);
+  for (unsigned int e = 0; e < one->mesh().n_elements(); ++e)
+    {
+      EXPECT_NEAR(both->mesh().elements()[e].measure, one->mesh().elements()[e].measure, 1e-14);
+      EXPECT_LT(both->mesh().elements()[e].centroid.distance(one->mesh().elements()[e].centroid),
+                1e-13);
+    }
+}
+
+TEST(Hyperelastic, SaysWhatIsWrongWithParts)
+{
+  EXPECT_TRUE(
+    contains(error_of<2>(component, two_parts(disc, disc, R"(["s1 + 1", "s2"])"), neo_hookean),
+             "overlap at"));
+  EXPECT_TRUE(contains(error_of<2>(component, two_parts(disc, ball), neo_hookean),
+                       "/mesh/parts/meshes/1/mesh/ball: ball is a mesh of dimension 3"));
+  EXPECT_TRUE(contains(error_of<2>(component, two_parts(strip(9), disc), neo_hookean),
+                       "/mesh/parts/meshes/0: lacks \"initial_position\""));
+  EXPECT_TRUE(contains(error_of<2>(component, two_parts(disc, strip(9)), neo_hookean),
+                       "/mesh/parts/meshes/1/initial_position: does not close"));
+  std::string same = two_parts(disc, disc);
+  same.replace(same.find("second"), 6, "first");
+  EXPECT_TRUE(contains(error_of<2>(component, same, neo_hookean),
+                       "/mesh/parts/meshes/1/name: found \"first\" a second time"));
+}
+
 TEST(Hyperelastic, SaysWhatIsWrongWithTheInitialPosition)
 {
   EXPECT_TRUE(

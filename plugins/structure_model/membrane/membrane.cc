@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/plugin.h>
+#include <feib/reference_mesh.h>
 #include <feib/registry.h>
 #include <feib/structure_model/elastic_structure.h>
 
@@ -13,10 +14,24 @@ namespace feib
   {
   public:
     explicit Membrane(const Parameters &parameters)
-      : ElasticStructure<dim - 1, dim>(
-          parameters,
-          parameters.child("law").create<ConstitutiveLaw<dim - 1, dim>>())
+      : ElasticStructure<dim - 1, dim>(parameters, make_law(parameters))
     {}
+
+  private:
+    static std::unique_ptr<ConstitutiveLaw<dim - 1, dim>>
+    make_law(const Parameters &parameters)
+    {
+      try
+        {
+          return parameters.child("law").create<ConstitutiveLaw<dim - 1, dim>>();
+        }
+      catch (const Error &)
+        {
+          // What a law lacks does not matter where the mesh is for other dimensions, as a curve is.
+          make_reference_mesh<dim>(parameters.child("mesh"), dim - 1);
+          throw;
+        }
+    }
   };
 } // namespace feib
 

@@ -60,6 +60,26 @@ namespace
   }
 } // namespace
 
+// Curves of one structure, each where its own initial position says, in one sense.
+TEST(Membrane, PartsAreCurvesOfTheirOwn)
+{
+  const auto part = [](const std::string &name, const std::string &x, const std::string &mesh) {
+    return R"({"name": ")" + name + R"(", "mesh": )" + mesh +
+           R"j(, "initial_position": ["cos(s1) + )j" + x + R"j(", "sin(s1)"]})j";
+  };
+  const auto both = make_model<2>(component,
+                                  R"({"parts": {"meshes": [)" + part("a", "0", curve(20)) + "," +
+                                    part("b", "3", curve(40)) + "]}}",
+                                  linear);
+  const double pi = dealii::numbers::PI;
+  EXPECT_NEAR(both->measure(both->positions),
+              10 * std::sin(2 * pi / 20) + 20 * std::sin(2 * pi / 40),
+              1e-12);
+  for (const auto &element : both->mesh().elements())
+    EXPECT_NEAR(element.measure, 2 * pi / (element.material_id == 0 ? 20 : 40), 1e-13);
+  EXPECT_TRUE(both->mesh().closed());
+}
+
 // On one rank and on two: the sum over ranks and the faces change nothing.
 TEST(Membrane, ForceIsElementWiseAndMinusTheGradientOfTheEnergy)
 {
