@@ -70,6 +70,36 @@ TEST(FibreRing, ErrorsAndRatesOfHeltaiAndCostanzo)
     }
 }
 
+TEST(Patch, InThreeDimensions)
+{
+  const TemporaryFolder folder;
+  const std::string file = folder.write("case.json", R"j({ "dimension": 3,
+      "domain": { "cells": [4, 4, 4] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 1, "linear_solver": "direct" } },
+      "structures": [ { "hyperelastic": { "name": "body",
+        "mesh": { "box": { "lower": [0.25, 0.25, 0.25], "upper": [0.75, 0.75, 0.75], "cells": [4, 4, 4] } },
+        "law": { "neo_hookean": { "shear_modulus": 1 } },
+        "face_quadrature": { "gauss": {} } } } ],
+      "time": { "step": 0.01, "end": 0.02, "integrator": { "fe_be": {} } },
+      "exact": { "pressure": "(abs(x-0.5) < 0.25 && abs(y-0.5) < 0.25 && abs(z-0.5) < 0.25 ? 1 : 0) - 0.125" },
+      "output": [] })j");
+  for (const std::string coupling : {"variational", "divergence_free"})
+    {
+      SCOPED_TRACE(coupling);
+      const std::string output = folder / coupling;
+      const RunResult run =
+        run_host(shell_quoted(file) + " --output " + shell_quoted(output) +
+                 set("/coupling", {{coupling, Json::object()}}) +
+                 (coupling == "divergence_free" ? set("/structures/0/hyperelastic/face_quadrature",
+                                                      {{"vertex", Json::object()}})
+                                                : ""));
+      ASSERT_EQ(run.exit_code, 0) << run.output;
+      const Json summary = read_json(output + "/summary.json");
+      EXPECT_LT(summary["errors"]["velocity_l2"].get<double>(), 1e-14);
+      EXPECT_LT(summary["errors"]["pressure_l2"].get<double>(), 1e-13);
+    }
+}
+
 TEST(Patch, WithoutBoundaryFacesTheTransmissionTermIsMissing)
 {
   const Json with = run_case("patch", "");

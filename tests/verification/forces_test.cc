@@ -232,6 +232,72 @@ TEST(Forces, CantileverOfACurve)
 }
 
 
+/// A thick beam, clamped at an end, in a resting fluid hangs under its weight as a plane
+/// incompressible body does, by quadratic elements of another program: 4.904 q/mu at its tip, q the
+/// weight per area. Triangles are too stiff, to better than first order.
+TEST(Forces, ThickCantilever)
+{
+  std::vector<double> errors;
+  for (const unsigned int n : {4, 8})
+    {
+      const CaseRun result = run(R"j({ "dimension": 2,
+      "domain": { "cells": [)j" + std::to_string(4 * n) +
+                                 ", " + std::to_string(4 * n) + R"j(], "periodic": ["y"] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1, "convection": "none",
+                                    "linear_solver": "direct" } },
+      "structures": [ { "hyperelastic": { "name": "beam",
+        "mesh": { "rectangle": { "lower": [0.15, 0.45], "upper": [0.85, 0.55], "cells": [)j" +
+                                 std::to_string(7 * n) + ", " + std::to_string(n) + R"j(] } },
+        "law": { "neo_hookean": { "shear_modulus": 10 } },
+        "deviatoric": true, "volumetric_modulus": 10, "excess_density": 0.1,
+        "forces": [
+          { "tether": { "stiffness": 1e7, "on": { "where": "s1 < 0.2501" } } },
+          { "gravity": { "acceleration": [0, -0.1224] } } ] } } ],
+      "time": { "step": 10, "end": 150, "integrator": {"lagged_be": {}} },
+      "output": [ { "ledger_csv": {} } ] })j");
+      EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+      const double theory = 4.904 * .1 * .1224 / 10;
+      errors.push_back((.45 - result.ledger.at("lower_y_beam").back()) / theory - 1);
+    }
+  EXPECT_NEAR(errors[0], -.15, .01);
+  EXPECT_NEAR(errors[1], -.051, .005);
+}
+
+
+/// A ring whose rest length is that of the circle of its area relaxes from an ellipse to this
+/// circle, with the energy pi B/R, to second order in the length of its segments.
+TEST(Forces, RingWithBendingBecomesTheCircle)
+{
+  const double R = std::sqrt(.06), B = .1, pi = std::acos(-1.);
+  std::vector<double> errors;
+  for (const unsigned int n : {16, 32})
+    {
+      const CaseRun result = run(R"j({ "dimension": 2, "constants": { "R": )j" + std::to_string(R) +
+                                 R"j( }, "domain": { "cells": [16, 16] },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1, "convection": "none" } },
+      "structures": [ { "membrane": { "name": "ring",
+        "mesh": { "closed_curve": { "length": )j" +
+                                 std::to_string(2 * pi * std::stod(std::to_string(R))) +
+                                 R"j(, "elements": )j" + std::to_string(n) + R"j( } },
+        "initial_position": ["0.5 + 0.3*cos(s1/R)", "0.5 + 0.2*sin(s1/R)"],
+        "law": { "saint_venant_kirchhoff": { "mu": 1 } },
+        "forces": [ { "bending": { "rigidity": 0.1 } } ] } } ],
+      "time": { "step": 0.02, "end": 1, "integrator": {"lagged_be": {}} },
+      "output": [ { "ledger_csv": {} } ] })j");
+      EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+      EXPECT_LT(result.summary["energy"]["largest_increase"], 0);
+      const double longest = result.ledger.at("axis_1_ring").back();
+      EXPECT_GT(result.ledger.at("axis_1_ring")[0], 1.4 * result.ledger.at("axis_2_ring")[0]);
+      EXPECT_NEAR(result.ledger.at("axis_2_ring").back(), longest, 1e-4 * longest);
+      errors.push_back(result.ledger.at("energy_ring_bending").back() / (pi * B / R) - 1);
+      // The sum over n angles of 2 pi/n.
+      const double exact = std::pow(n / pi * std::tan(pi / n), 2) - 1;
+      EXPECT_NEAR(errors.back(), exact, 1e-4 * exact + 1e-6);
+    }
+  EXPECT_GT(errors[0] / errors[1], 3.9);
+}
+
+
 /// Columns of the ledger are named by structure and force: another structure of that name would
 /// have the same.
 TEST(Forces, NamesOfTheLedgerAreUnique)

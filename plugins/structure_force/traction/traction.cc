@@ -13,8 +13,9 @@
 namespace feib
 {
   /// A dead load f(s, t) per reference measure, E = - sum_i w_i f(s_i, t) . (X_i - X_i(0)) with w_i
-  /// the measure that the node stands for; and a pressure on the present faces, which in general
-  /// comes from no energy: the nodes of a face get - p |face| n / (number of nodes) each.
+  /// the node's share of the selected elements or faces; and a pressure on the present faces, which
+  /// in general comes from no energy: the nodes of a face get - p |face| n / (number of nodes)
+  /// each.
   template <int dim>
   class Traction : public StructureForce<dim>
   {
@@ -37,15 +38,18 @@ namespace feib
     {
       nodes = body.mesh.nodes();
       start = body.positions;
-      const Selection<dim> selection(parameters, body.mesh);
-      measures = selection.measures();
-      faces    = selection.parts();
-      if (pressure && (faces.empty() || faces.front().n_nodes != dim))
-        parameters.fail(
-          "pressure",
-          faces.empty() ? "acts on faces; \"on\" selects none with all its nodes"
-                        : "acts on the elements of a curve or surface, or on the boundary faces of "
-                          "a body (\"on\": {\"boundary\": true})");
+      faces = Selection<dim>(parameters, body.mesh).parts();
+      if (faces.empty())
+        parameters.fail("on", "selects no element or face with all its nodes");
+      // Both loads act on whole faces: a node at the rim has its share of these, and no more.
+      measures.assign(nodes.size(), 0.);
+      for (const Part &face : faces)
+        for (unsigned int j = 0; j < face.n_nodes; ++j)
+          measures[face.nodes[j]] += face.measure / face.n_nodes;
+      if (pressure && faces.front().n_nodes != dim)
+        parameters.fail("pressure",
+                        "acts on the elements of a curve or surface, or on the boundary faces of "
+                        "a body (\"on\": {\"boundary\": true})");
       try_times<dim>(*this, body, {force.get(), pressure.get()});
     }
 

@@ -87,6 +87,33 @@ TEST(Traction, DeadLoadsAddUp)
 }
 
 
+/// A load on an end of a body is that on the faces of the end, without a share of the faces beside.
+TEST(Traction, DeadLoadsActOnWholeFaces)
+{
+  const auto body = structure_for_forces<2>(registry(), "body");
+  double highest  = -1e300;
+  for (const auto &node : body->mesh().nodes())
+    highest = std::max(highest, node[1]);
+  const auto chosen = [&](const unsigned int i) {
+    return body->mesh().nodes()[i][1] > highest - .1;
+  };
+  double part = 0, all = 0;
+  for (const auto &facet : body->mesh().surface())
+    {
+      const double length = body->mesh().nodes()[facet[0]].distance(body->mesh().nodes()[facet[1]]);
+      all += length;
+      if (chosen(facet[0]) && chosen(facet[1]))
+        part += length;
+    }
+  ASSERT_GT(part, 0);
+  ASSERT_LT(part, all);
+  const NodalField<2> f = load(*body,
+                               R"({"force": [0, -1], "on": {"boundary": true, "where": "s2 > )" +
+                                 std::to_string(highest - .1) + "\"}}");
+  EXPECT_NEAR(f.sum([&](const unsigned int i) { return f[i]; })[1], -part, 1e-13);
+}
+
+
 TEST(Traction, WhatWillNotDo)
 {
   const auto refusal = [](const std::string &kind, const std::string &traction) {
