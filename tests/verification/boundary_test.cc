@@ -120,7 +120,7 @@ TEST(Boundary, PulsatingFlowIsWomersleys)
     "A/w*((1-(" + c + "*C+" + s + "*S)/D)*sin(w*t)-(" + s + "*C-" + c + "*S)/D*cos(w*t))";
   const auto error = [&](const double dt) {
     const CaseRun result = run(R"j({ "dimension": 2, "constants": )j" + constants.str() +
-                                 R"j(, "domain": { "upper": [2, 1], "cells": [2, 24], "boundary": {
+                                 R"j(, "domain": { "upper": [2, 1], "cells": [2, 48], "boundary": {
               "x_min": { "pressure": { "value": "2*A*cos(w*t)", "inflow": "static" } },
               "x_max": { "pressure": { "value": 0, "inflow": "static" } } } },
             "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.05, "tolerance": 1e-9,

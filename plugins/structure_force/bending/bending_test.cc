@@ -20,7 +20,7 @@ namespace
       "membrane",
       R"({"name": "s", "law": {"neo_hookean": {"shear_modulus": 1}}, "mesh": )" + mesh + "}");
     const auto force = registry().create<StructureForce<dim>>("bending", bending);
-    const auto box   = unit_box<dim>();
+    const auto box   = feib::testing::unit_box<dim>();
     force->attach({model->mesh(), model->positions, {}, {0.}, box});
     return force->energy(model->positions);
   }
@@ -106,7 +106,7 @@ TEST(Bending, BodiesAreRefused)
   const auto force = registry().create<StructureForce<2>>("bending", R"({"rigidity": 1})");
   try
     {
-      const auto box = unit_box<2>();
+      const auto box = feib::testing::unit_box<2>();
       force->attach({model->mesh(), model->positions, {}, {0.}, box});
       FAIL();
     }
