@@ -473,7 +473,8 @@ TEST(MeshFiles, ForcesActOnNamedGroups)
   const auto total = [&](const std::string &material) {
     const auto force = registry().create<StructureForce<2>>(
       "traction", R"({"force": [2, -1], "on": {"materials": [)" + material + "]}}");
-    force->attach({model->mesh(), model->positions, {}, {0.}});
+    const Domain<2> box(dealii::Point<2>(), dealii::Point<2>(1, 1), {{4, 4}});
+    force->attach({model->mesh(), model->positions, {}, {0.}, box});
     NodalField<2> result(model->mesh());
     force->load(model->positions, result);
     return result.sum([&](const unsigned int i) { return result[i]; });

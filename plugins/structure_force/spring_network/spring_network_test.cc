@@ -16,8 +16,9 @@ namespace
   std::unique_ptr<StructureForce<2>>
   springs(const StructureModel<2> &model, const std::string &block)
   {
-    auto force = registry().create<StructureForce<2>>("spring_network", block);
-    force->attach({model.mesh(), model.positions, {}, {0.}});
+    auto force            = registry().create<StructureForce<2>>("spring_network", block);
+    static const auto box = feib::testing::unit_box<2>();
+    force->attach({model.mesh(), model.positions, {}, {0.}, box});
     return force;
   }
 
