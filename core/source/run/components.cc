@@ -116,7 +116,10 @@ namespace feib
   Components<dim>::build_structures(const Parameters &parameters, Issues &issues)
   {
     const double end = parameters.child("time").number("end");
-    std::set<std::string> names;
+    std::set<std::string> names; // that columns of the ledger end in
+    if (space)
+      for (const auto &condition : space->domain().conditions)
+        names.insert(condition.name);
     for (const Parameters &slot : parameters.children("structures"))
       collect(issues, [&] {
         ImmersedStructure<dim> structure;
@@ -165,10 +168,12 @@ namespace feib
         build_forces(*structure.model, block, sample_times(end));
         for (const std::string &force : structure.model->force_names())
           if (!names.insert(structure.model->name() + "_" + force).second)
-            block.fail("forces",
-                       "have a force called \"" + force + "\": the ledger would have \"" +
-                         structure.model->name() + "_" + force +
-                         "\" twice, as there is another structure, or force of one, by that name");
+            block.fail(
+              "forces",
+              "have a force called \"" + force + "\": the ledger would have \"" +
+                structure.model->name() + "_" + force +
+                "\" twice, as there is another structure, force of one, or face of the box by that "
+                "name");
         structures.push_back(std::move(structure));
       });
   }
