@@ -117,6 +117,11 @@ namespace feib
   {
     const double end = parameters.child("time").number("end");
     std::set<std::string> names;
+    if (space)
+      for (const auto &condition : space->domain().conditions)
+        if (!condition.periodic())
+          names.insert(condition.name);
+    const std::set<std::string> of_faces = names;
     for (const Parameters &slot : parameters.children("structures"))
       collect(issues, [&] {
         ImmersedStructure<dim> structure;
@@ -130,13 +135,10 @@ namespace feib
         const Parameters block = slot.choice().second;
         if (structure.model->name() == "fluid")
           block.fail("name", "found \"fluid\", the name of the fluid's own files");
-        if (space)
-          for (const auto &condition : space->domain().conditions)
-            if (structure.model->name() == condition.name)
-              block.fail("name",
-                         "found \"" + condition.name +
-                           "\", which columns of the ledger for a "
-                           "face of the box are named by");
+        if (of_faces.count(structure.model->name()) != 0)
+          block.fail("name",
+                     "found \"" + structure.model->name() +
+                       "\", which columns of the ledger for a face of the box are named by");
         if (structure.model->name() == "convection")
           block.fail("name", "found \"convection\", which columns of the ledger are named by");
         if (!names.insert(structure.model->name()).second)
@@ -168,7 +170,8 @@ namespace feib
             block.fail("forces",
                        "have a force called \"" + force + "\": the ledger would have \"" +
                          structure.model->name() + "_" + force +
-                         "\" twice, as there is another structure, or force of one, by that name");
+                         "\" twice, as there is another structure, force of one, or part of a "
+                         "face by that name");
         structures.push_back(std::move(structure));
       });
   }
