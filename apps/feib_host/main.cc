@@ -175,6 +175,25 @@ namespace
   }
 
 
+  /// Refuses to put a run in the place of the one it begins with.
+  void
+  check_beginning(const Parameters &parameters, const std::string &directory)
+  {
+    if (!parameters.has("initial_state"))
+      return;
+    const Parameters block = parameters.child("initial_state");
+    const auto run         = std::filesystem::path(parameters.directory()) / block.string("run");
+    const std::string same = on_rank_0([&] {
+      std::error_code none;
+      return std::string(std::filesystem::equivalent(run, directory, none) ? "same" : "");
+    });
+    if (!same.empty())
+      block.fail("run",
+                 "is the output folder: this run would replace the one it begins with; choose "
+                 "another with --output");
+  }
+
+
   /// Makes the folder and puts the exact run there. @p goes_on: with the run whose files are there.
   void
   prepare(const std::string &directory, const std::string &resolved, const bool goes_on)
@@ -460,6 +479,8 @@ namespace
         used = versions(loader, *description);
         if (goes_on)
           checkpoint.check(*description, used);
+        if (!goes_on && !command.validate)
+          check_beginning(description->parameters(), command.output);
         simulation = Simulation::create(*description);
       }
     catch (const Error &error)

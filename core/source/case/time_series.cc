@@ -14,18 +14,22 @@ namespace feib
 {
   namespace
   {
+    /// A line has one kind of separator: with semicolons or tabs, a comma is part of a field, and
+    /// no number has one.
     std::vector<std::string>
     fields(std::string line)
     {
-      const char *const separators = ",;\t\r";
-      const bool by_blanks         = line.find_first_of(",;\t") == std::string::npos;
-      for (char &c : line)
-        if (std::string(separators).find(c) != std::string::npos)
-          c = by_blanks ? ' ' : ',';
+      if (!line.empty() && line.back() == '\r')
+        line.pop_back();
+      char separator = ' ';
+      for (const char c : {',', '\t', ';'})
+        if (line.find(c) != std::string::npos)
+          separator = c;
       std::vector<std::string> result;
       std::istringstream stream(line);
       std::string field;
-      while (by_blanks ? bool(stream >> field) : bool(std::getline(stream, field, ',')))
+      while (separator == ' ' ? bool(stream >> field)
+                              : bool(std::getline(stream, field, separator)))
         {
           const auto first = field.find_first_not_of(" \""), last = field.find_last_not_of(" \"");
           result.push_back(first == std::string::npos ? "" : field.substr(first, last - first + 1));
@@ -41,6 +45,14 @@ namespace feib
       value     = std::strtod(text.c_str(), &end);
       return !text.empty() && *end == 0 && std::isfinite(value);
     }
+
+
+    /// Whether a row is one of names; a number with a slip of the pen is none.
+    bool
+    is_name(const std::string &text)
+    {
+      return text.find_first_of("0123456789+-.,") != 0;
+    }
   } // namespace
 
 
@@ -51,7 +63,10 @@ namespace feib
     : repeats(repeats)
   {
     const std::string named = "the file \"" + readable(file) + "\"";
-    std::istringstream text(read_text_file(file, named, true, communicator));
+    std::string content     = read_text_file(file, named, true, communicator);
+    if (content.rfind("\xEF\xBB\xBF", 0) == 0) // that spreadsheets put before UTF-8
+      content.erase(0, 3);
+    std::istringstream text(content);
     std::string line;
     std::size_t place   = 1;
     bool named_columns  = false;
@@ -64,7 +79,7 @@ namespace feib
           continue;
         double time = 0, value = 0;
         const std::string where = named + ", line " + std::to_string(number) + ": ";
-        if (times.empty() && !named_columns && !is_number(row[0], time))
+        if (times.empty() && !named_columns && is_name(row[0]))
           {
             named_columns = true;
             if (!column.empty())

@@ -195,7 +195,7 @@ namespace feib
             }
         if (folder.empty())
           problem = known.empty() ? "there is no checkpoint in " + readable(run_folder) +
-                                      "; --restart takes the output folder of a run"
+                                      "; the output folder of a run is needed"
                                   : damaged.front() + "; there is no other";
       }
     const auto share = [](const std::string &value) {

@@ -2,6 +2,7 @@
 #include "coefficients.h"
 
 #include <feib/error.h>
+#include <feib/message.h>
 
 #include <cmath>
 #include <string>
@@ -44,6 +45,15 @@ namespace feib
     const double area =
       parameters.has("area") ? parameters.number("area") : std::pow(length, dim - 1);
     reference_force = density / 2 * velocity * velocity * area;
+    if (!(reference_force > 1e-100 && reference_force < 1e100))
+      parameters.fail("velocity",
+                      "gives the reference force density/2 velocity^2 " +
+                        std::string(dim == 2 ? "length" : "area") + " = " +
+                        readable(reference_force) + "; from 1e-100 to 1e+100 are allowed");
+    if (std::abs(flow * across) > 1 - 1e-6)
+      parameters.fail(parameters.has("lift") ? "lift" : "flow",
+                      "makes lift the same as drag: the directions of flow and lift (x and y when "
+                      "not given) must differ");
   }
 
 

@@ -116,10 +116,12 @@ namespace feib
   Components<dim>::build_structures(const Parameters &parameters, Issues &issues)
   {
     const double end = parameters.child("time").number("end");
-    std::set<std::string> names; // that columns of the ledger end in
+    std::set<std::string> names;
     if (space)
       for (const auto &condition : space->domain().conditions)
-        names.insert(condition.name);
+        if (!condition.periodic())
+          names.insert(condition.name);
+    const std::set<std::string> of_faces = names;
     for (const Parameters &slot : parameters.children("structures"))
       collect(issues, [&] {
         ImmersedStructure<dim> structure;
@@ -133,13 +135,10 @@ namespace feib
         const Parameters block = slot.choice().second;
         if (structure.model->name() == "fluid")
           block.fail("name", "found \"fluid\", the name of the fluid's own files");
-        if (space)
-          for (const auto &condition : space->domain().conditions)
-            if (structure.model->name() == condition.name)
-              block.fail("name",
-                         "found \"" + condition.name +
-                           "\", which columns of the ledger for a "
-                           "face of the box are named by");
+        if (of_faces.count(structure.model->name()) != 0)
+          block.fail("name",
+                     "found \"" + structure.model->name() +
+                       "\", which columns of the ledger for a face of the box are named by");
         if (structure.model->name() == "convection")
           block.fail("name", "found \"convection\", which columns of the ledger are named by");
         if (!names.insert(structure.model->name()).second)
@@ -168,12 +167,11 @@ namespace feib
         build_forces(*structure.model, block, sample_times(end));
         for (const std::string &force : structure.model->force_names())
           if (!names.insert(structure.model->name() + "_" + force).second)
-            block.fail(
-              "forces",
-              "have a force called \"" + force + "\": the ledger would have \"" +
-                structure.model->name() + "_" + force +
-                "\" twice, as there is another structure, force of one, or face of the box by that "
-                "name");
+            block.fail("forces",
+                       "have a force called \"" + force + "\": the ledger would have \"" +
+                         structure.model->name() + "_" + force +
+                         "\" twice, as there is another structure, force of one, or part of a "
+                         "face by that name");
         structures.push_back(std::move(structure));
       });
   }

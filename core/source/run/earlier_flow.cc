@@ -29,7 +29,7 @@ namespace feib
       }
     catch (const Error &error)
       {
-        parameters.fail("run", error.what());
+        parameters.fail("run", error.issues().front().message);
       }
     if (earlier["dimension"] != dim)
       parameters.fail("run",

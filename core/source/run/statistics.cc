@@ -50,6 +50,13 @@ namespace feib
     const double time = ledger.last("time"), dt = ledger.last("dt");
     if (!wanted || time - dt < from - 1e-9 * dt || time > to + 1e-9 * dt)
       return;
+    // What a run saw that was to end earlier, before the window.
+    if (duration > 0 && first + duration <= from + 1e-9 * dt)
+      {
+        duration = 0;
+        times.clear();
+        sums.clear();
+      }
     if (duration == 0)
       first = time - dt;
     const auto &columns = ledger.columns();

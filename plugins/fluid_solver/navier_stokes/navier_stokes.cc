@@ -216,10 +216,9 @@ namespace feib
     space.pressure = 0.;
     space.pressure.update_ghost_values();
     // Boundary values alone are not divergence-free either.
-    if (masses || space.velocity.linfty_norm() > 0)
-      project(space, masses);
     prepare(space);
-    starting_state.set_fluxes(space, 0., masses);
+    if (masses || space.velocity.linfty_norm() > 0 || !outlets.empty())
+      project(space, masses);
   }
 
 
@@ -264,10 +263,7 @@ namespace feib
     past.archive(archive);
     archive("outlets", outlets);
     if (archive.persistent())
-      {
-        solver.forget();
-        outlets.forget();
-      }
+      solver.forget();
   }
 
 
@@ -346,7 +342,7 @@ namespace feib
     const VelocityVector fixed = fixed_forces(space, step);
 
     Report report;
-    outlets.begin(space, step.time, step.dt);
+    outlets.begin(space, step.time, step.dt, !settings.convects && !step.implicit_load);
     NewtonIteration<dim> iteration(settings, operators, solver, outlets, space, step, fixed);
     iteration.run(report);
     outlets.finish(outlets.fluxes(space));

@@ -57,8 +57,8 @@ namespace feib
       VelocityVector reaction; // not condensed
       PressureVector divergence;
       ResidualNorms norms;
-      double implicit_load = 0; // norm, condensed
-      double outlets       = 0; // RegulatedPressures::residual()
+      double implicit_load = 0;   // norm, condensed
+      std::vector<double> fluxes; // through the conditions, if pressures hang on them
     };
 
     /// The linear equations of a correction.
@@ -96,7 +96,8 @@ namespace feib
     const bool linear;
     const double tighter; // the tolerance of the divergence
     Residual present;
-    double scale = 0; // of the forces
+    double scale     = 0; // of the forces
+    double last_norm = 0; // of the momentum, before the last correction
     std::ostringstream history;
   };
 } // namespace feib

@@ -42,8 +42,14 @@ namespace feib
   void
   RegulatedPressures<dim>::begin(const EulerianSpace<dim> &space,
                                  const double time,
-                                 const double dt)
+                                 const double dt,
+                                 const bool linear)
   {
+    if (!linear && time != answers_time)
+      forget();
+    answers_time = time;
+    // Newton's method corrects what is wrong with them.
+    answers_accuracy = linear ? 1e-8 : 1e-5;
     for (unsigned int i = 0; i < outlets.size(); ++i)
       {
         Outlet &outlet        = outlets[i];
@@ -92,6 +98,7 @@ namespace feib
                                   const StokesEquations<dim> &equations,
                                   StokesSolver<dim> &solver,
                                   const Outlet &outlet,
+                                  const double accuracy,
                                   unsigned int &iterations) const
   {
     Answer result;
@@ -106,7 +113,7 @@ namespace feib
                                impedance<dim>(equations.operators.terms(),
                                               space.smallest_edge(),
                                               equations.rate),
-                               1e-8 * r.l2_norm(),
+                               accuracy * r.l2_norm(),
                                result.velocity,
                                result.pressure);
     space.distribute(result.velocity, true);
@@ -129,9 +136,10 @@ namespace feib
       return iterations;
     if (answers.empty() || answers_rate != equations.rate)
       {
-        answers.clear();
+        std::vector<Answer> found; // all or none
         for (const Outlet &outlet : outlets)
-          answers.push_back(answer(space, equations, solver, outlet, iterations));
+          found.push_back(answer(space, equations, solver, outlet, answers_accuracy, iterations));
+        answers      = std::move(found);
         answers_rate = equations.rate;
       }
 
@@ -177,7 +185,8 @@ namespace feib
 
   template <int dim>
   double
-  RegulatedPressures<dim>::residual(const std::vector<double> &fluxes) const
+  RegulatedPressures<dim>::residual(const std::vector<double> &fluxes,
+                                    const double least_flux) const
   {
     double largest = 0;
     for (unsigned int i = 0; i < outlets.size(); ++i)
@@ -186,9 +195,9 @@ namespace feib
         const double flux     = fluxes[outlet.condition];
         const double pressure = states[i].pressure, of_flux = outlet.b * flux;
         const double left = outlet.is_flux ? flux - outlet.flux : pressure - of_flux - outlet.a;
-        const double size = outlet.is_flux
-                              ? std::abs(flux) + std::abs(outlet.flux)
-                              : std::abs(pressure) + std::abs(of_flux) + std::abs(outlet.a);
+        const double size = outlet.is_flux ? std::abs(flux) + std::abs(outlet.flux) + least_flux
+                                           : std::abs(pressure) + std::abs(of_flux) +
+                                               std::abs(outlet.a) + outlet.b * least_flux;
         if (left != 0)
           largest = std::max(largest, std::abs(left) / size);
       }
@@ -214,13 +223,30 @@ namespace feib
     for (unsigned int i = 0; i < outlets.size(); ++i)
       if (!outlets[i].is_flux)
         states[i].past = outlets[i].way;
+    stepped = true;
+  }
+
+
+  template <int dim>
+  std::vector<double>
+  RegulatedPressures<dim>::wanted_fluxes(const EulerianSpace<dim> &space) const
+  {
+    std::vector<double> result = fluxes(space);
+    for (const Outlet &outlet : outlets)
+      if (outlet.is_flux && !stepped)
+        {
+          const auto &flux = space.domain().conditions[outlet.condition].flux;
+          flux->set_time(0.);
+          result[outlet.condition] = flux->value(dealii::Point<dim>());
+        }
+    return result;
   }
 
 
   template <int dim>
   void
   RegulatedPressures<dim>::adjust(const EulerianSpace<dim> &space,
-                                  const double time,
+                                  const std::vector<double> &wanted,
                                   const StokesEquations<dim> &equations,
                                   StokesSolver<dim> &solver,
                                   VelocityVector &u) const
@@ -232,7 +258,7 @@ namespace feib
       if (outlet.is_flux)
         {
           given.push_back(&outlet);
-          of_given.push_back(answer(space, equations, solver, outlet, iterations));
+          of_given.push_back(answer(space, equations, solver, outlet, 1e-8, iterations));
         }
     const unsigned int n = given.size();
     if (n == 0)
@@ -242,9 +268,7 @@ namespace feib
     dealii::Vector<double> right_hand_side(n), multiples(n);
     for (unsigned int i = 0; i < n; ++i)
       {
-        const auto &flux = space.domain().conditions[given[i]->condition].flux;
-        flux->set_time(time);
-        right_hand_side(i) = flux->value(dealii::Point<dim>()) - fluxes[given[i]->condition];
+        right_hand_side(i) = wanted[given[i]->condition] - fluxes[given[i]->condition];
         for (unsigned int j = 0; j < n; ++j)
           matrix(i, j) = of_given[j].fluxes[given[i]->condition];
       }

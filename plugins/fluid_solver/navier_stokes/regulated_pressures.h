@@ -15,8 +15,8 @@ namespace feib
   /// Each pressure is one more unknown with one more equation, Q = given or P = b Q + a with a
   /// and b of a backward Euler step of the circuit. A correction of the other unknowns is followed
   /// by what the fluid answers to changes of the pressures, such that these equations hold. The
-  /// answers are kept while mesh and step stay; where convection has changed them since, the next
-  /// correction sees what is left.
+  /// answers are kept while mesh and step stay, and for a fluid that is not linear within a step:
+  /// where they have changed since, the next correction sees what is left.
   template <int dim>
   class RegulatedPressures
   {
@@ -34,8 +34,9 @@ namespace feib
       return outlets.empty();
     }
 
-    /// The equations of a backward Euler step of length dt to that time.
-    void begin(const EulerianSpace<dim> &space, double time, double dt);
+    /// The equations of a backward Euler step of length dt to that time. @p linear: whether what
+    /// the fluid answers is the same in every state.
+    void begin(const EulerianSpace<dim> &space, double time, double dt, bool linear);
 
     /// The pressures by the number of the condition, 0 where there is none.
     std::vector<double> pressures(const EulerianSpace<dim> &space) const;
@@ -61,23 +62,28 @@ namespace feib
     /// Takes a part of the changes of the pressures that belong to the last correction.
     void add(double part);
 
-    /// What is left of the equations, relative to what is in them.
-    double residual(const std::vector<double> &fluxes) const;
+    /// What is left of the equations, relative to what is in them and to @p least_flux: a flux may
+    /// be prescribed as zero.
+    double residual(const std::vector<double> &fluxes, double least_flux) const;
 
     /// The step has been solved, with these fluxes.
     void finish(const std::vector<double> &fluxes);
 
     void commit();
 
-    /// Of prescribed fluxes alone, for a velocity u that is to have them at that time: adds to u
+    /// The fluxes through all conditions that a velocity put into the space should have where they
+    /// are prescribed: before the first step those at time 0, later its own. Collective.
+    std::vector<double> wanted_fluxes(const EulerianSpace<dim> &space) const;
+
+    /// Of prescribed fluxes alone, for a velocity u that is to have those @p wanted: adds to u
     /// multiples of what the pressures do under the equations given. Collective.
     void adjust(const EulerianSpace<dim> &space,
-                double time,
+                const std::vector<double> &wanted,
                 const StokesEquations<dim> &equations,
                 StokesSolver<dim> &solver,
                 VelocityVector &u) const;
 
-    /// Drops what only saves time.
+    /// Drops the answers, which the next correction finds anew.
     void
     forget()
     {
@@ -88,6 +94,7 @@ namespace feib
     archive(Archive &archive)
     {
       archive("states", states);
+      archive("stepped", stepped);
     }
 
   private:
@@ -151,13 +158,15 @@ namespace feib
                   const StokesEquations<dim> &equations,
                   StokesSolver<dim> &solver,
                   const Outlet &outlet,
+                  double accuracy,
                   unsigned int &iterations) const;
 
     const BoundaryTerms<dim> &terms;
     std::vector<Outlet> outlets;
     std::vector<State> states;   // of the outlets
     std::vector<Answer> answers; // of the outlets
-    double answers_rate = 0;
+    double answers_rate = 0, answers_time = 0, answers_accuracy = 0;
+    bool stepped = false; // whether there has been a step
   };
 } // namespace feib
 

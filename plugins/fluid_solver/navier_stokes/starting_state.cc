@@ -36,6 +36,7 @@ namespace feib
   {
     const double of_flux = impedance<dim>(inertia.terms(), space.smallest_edge(), rate);
     space.distribute(space.velocity, false);
+    const std::vector<double> wanted = outlets.wanted_fluxes(space);
     VelocityVector given = space.velocity, du = space.make_velocity();
     given.update_ghost_values();
     PressureVector multiplier = space.make_pressure(), dp = space.make_pressure();
@@ -73,17 +74,9 @@ namespace feib
         multiplier += dp;
         multiplier.update_ghost_values();
       }
-  }
-
-
-  template <int dim>
-  void
-  StartingState<dim>::set_fluxes(EulerianSpace<dim> &space,
-                                 const double time,
-                                 ImplicitLoad<dim> *const masses)
-  {
+    // By the change that pressures at these faces make at once.
     outlets.adjust(
-      space, time, {space, inertia, rate, nullptr, 0., masses}, solver, space.velocity);
+      space, wanted, {space, inertia, rate, nullptr, 0., masses}, solver, space.velocity);
   }
 
 

@@ -26,13 +26,9 @@ namespace feib
     void reinit(const EulerianSpace<dim> &space);
 
     /// The discretely divergence-free velocity nearest to that of the space, in the energy of the
-    /// fluid and of excess @p masses, if any. Collective. Throws RunFailure.
+    /// fluid and of excess @p masses, if any, with the fluxes that are wanted where they are
+    /// prescribed. Collective. Throws RunFailure.
     void project(EulerianSpace<dim> &space, ImplicitLoad<dim> *masses);
-
-    /// Gives the velocity of the space, which must be discretely divergence-free, the fluxes that
-    /// are prescribed at that time, by the change that pressures at these faces make at once.
-    /// Collective. Throws RunFailure.
-    void set_fluxes(EulerianSpace<dim> &space, double time, ImplicitLoad<dim> *masses);
 
     /// What FluidSolver::find_pressure() does, given all @p forces that do not depend on the
     /// velocity, not condensed; the pressure is that of the equations. Collective. Throws

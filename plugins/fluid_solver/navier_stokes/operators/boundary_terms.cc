@@ -6,6 +6,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace feib
@@ -49,7 +50,26 @@ namespace feib
   void
   BoundaryTerms<dim>::reinit(const EulerianSpace<dim> &space)
   {
+    check_parts(space);
     find_prescribed(space);
+  }
+
+
+  template <int dim>
+  void
+  BoundaryTerms<dim>::check_parts(const EulerianSpace<dim> &space)
+  {
+    // On the first mesh none is absent; where cells change, the centres of their faces do.
+    const auto &conditions = space.domain().conditions;
+    std::vector<unsigned int> n_faces(conditions.size(), 0);
+    for (const Face &face : space.boundary_faces())
+      ++n_faces[face.condition];
+    dealii::Utilities::MPI::sum(n_faces, space.communicator(), n_faces);
+    for (unsigned int i = 0; i < conditions.size(); ++i)
+      if (conditions[i].where && n_faces[i] == 0)
+        throw RunFailure("the condition \"" + conditions[i].name + "\" (" + conditions[i].pointer +
+                         ") holds nowhere any more: on the mesh as it is now the centre of no "
+                         "cell's face is in this part; let the part end between cells");
   }
 
 

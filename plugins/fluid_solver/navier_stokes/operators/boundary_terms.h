@@ -18,7 +18,8 @@ namespace feib
 
     BoundaryTerms();
 
-    /// For the present mesh of the space.
+    /// For the present mesh of the space. Collective. Throws RunFailure when a part of a face has
+    /// no face of a cell.
     void reinit(const EulerianSpace<dim> &space);
 
     /// Whether a condition gives a traction or a pressure, so that there is a load.
@@ -60,6 +61,7 @@ namespace feib
       dealii::Point<dim> place;
     };
 
+    static void check_parts(const EulerianSpace<dim> &space);
     void find_prescribed(const EulerianSpace<dim> &space);
 
     /// A point of a face, and its weight there.
