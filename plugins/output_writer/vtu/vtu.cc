@@ -148,6 +148,39 @@ namespace
     return result;
   }
 
+  /// Half, ... of the measure of each element for its nodes.
+  template <int dim>
+  std::vector<double>
+  nodal_measures(const feib::LagrangianMesh<dim> &mesh)
+  {
+    std::vector<double> result(mesh.n_nodes(), 0.);
+    for (const auto &element : mesh.elements())
+      for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
+        result[element.nodes[k]] += element.measure / (mesh.structure_dim() + 1);
+    return result;
+  }
+
+  /// The projection of a field of elements to continuous functions by lumped masses: at each node
+  /// the mean of the elements around it, weighted by their measures.
+  template <int dim>
+  Field
+  projected(const Field &field, const feib::LagrangianMesh<dim> &mesh)
+  {
+    const unsigned int n               = field.n_components;
+    const std::vector<double> measures = nodal_measures(mesh);
+    Field result{field.name + "_nodal", n, std::vector<double>(n * mesh.n_nodes(), 0.)};
+    for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+      for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
+        {
+          const unsigned int node = mesh.elements()[e].nodes[k];
+          const double share =
+            mesh.elements()[e].measure / (mesh.structure_dim() + 1) / measures[node];
+          for (unsigned int c = 0; c < n; ++c)
+            result.values[n * node + c] += share * field.values[n * e + c];
+        }
+    return result;
+  }
+
   /// A structure at its present place, with its reference coordinates, materials and fields.
   /// Every element has corners of its own: reference coordinates jump across seams.
   template <int structure_dim, int dim>
@@ -294,6 +327,7 @@ namespace
     explicit Vtu(const feib::Parameters &parameters)
       : steps(parameters.integer("interval"))
       , derivatives(parameters.boolean("derivatives"))
+      , projects(parameters.boolean("nodal"))
     {}
 
     unsigned int
@@ -413,8 +447,20 @@ namespace
       feib::NodalField<dim> displacement(X.begin(), X.end());
       for (unsigned int i = 0; i < displacement.size(); ++i)
         displacement[i] -= model.initial_positions[i];
-      const std::vector<Field> of_nodes = {nodal_field<dim>("displacement", displacement),
-                                           nodal_field<dim>("velocity", model.velocities)};
+      std::vector<Field> of_nodes = {nodal_field<dim>("displacement", displacement),
+                                     nodal_field<dim>("velocity", model.velocities)};
+      if (model.load_points().are_nodes(mesh.n_nodes()))
+        {
+          feib::NodalField<dim> load;
+          model.load(X, load);
+          const std::vector<double> measures = nodal_measures(mesh);
+          for (unsigned int i = 0; i < load.size(); ++i)
+            load[i] /= measures[i];
+          of_nodes.push_back(nodal_field<dim>("force_density", load));
+        }
+      if (projects)
+        for (const Field &field : of_elements)
+          of_nodes.push_back(projected(field, mesh));
       if (Utilities::MPI::this_mpi_process(snapshot.space.communicator()) != 0)
         return;
 
@@ -469,6 +515,7 @@ namespace
 
     const unsigned int steps;
     const bool derivatives;
+    const bool projects;                              // fields of structures' elements to nodes
     std::map<std::string, feib::AppendedFile> series; // the .pvd files, on rank 0
   };
 } // namespace

@@ -164,6 +164,32 @@ namespace
     EXPECT_NE(record.find("velocity"), std::string::npos);
   }
 
+  /// Vorticity, shear rate and Q of the exact velocity.
+  TEST(Vtu, DerivativesOfTheVelocity)
+  {
+    TemporaryFolder folder;
+    const auto space = make_state<2>();
+    const std::vector<ImmersedStructure<2>> structures;
+    const Ledger ledger;
+    const auto writer =
+      feib::testing::registry().create<OutputWriter<2>>("vtu", R"({"derivatives": true})");
+    writer->write({10, .5, folder.path, *space, structures, ledger});
+    const VtuFile vtu(folder.read("fluid_000010." + std::to_string(folder.rank()) + ".vtu"));
+    ASSERT_EQ(vtu["vorticity"].size(), 9 * space->cells().size());
+    for (unsigned int i = 0; i < vtu["vorticity"].size(); ++i)
+      {
+        // u = (1 + x^2 - 2 x y, y^2 + 3 x - y + x y / 2)
+        const Point<2> x = vtu.point<2>(i);
+        const double u_x = 2 * x[0] - 2 * x[1], u_y = -2 * x[0], v_x = 3 + x[1] / 2,
+                     v_y  = 2 * x[1] - 1 + x[0] / 2;
+        const double D_xy = (u_y + v_x) / 2, W = v_x - u_y;
+        const double D = u_x * u_x + v_y * v_y + 2 * D_xy * D_xy;
+        EXPECT_NEAR(vtu["vorticity"][i], W, 1e-5);
+        EXPECT_NEAR(vtu["shear_rate"][i], std::sqrt(2 * D), 1e-5);
+        EXPECT_NEAR(vtu["q_criterion"][i], (W * W / 2 - D) / 2, 1e-5);
+      }
+  }
+
   TEST(Vtu, FluidFieldsAreExact2D)
   {
     check_fluid<2>();
@@ -172,6 +198,52 @@ namespace
   TEST(Vtu, FluidFieldsAreExact3D)
   {
     check_fluid<3>();
+  }
+
+  /// Force densities, and the projection of fields of elements, which keeps their integrals.
+  template <int dim>
+  void
+  check_nodal_fields(const std::vector<ImmersedStructure<dim>> &structures,
+                     const EulerianSpace<dim> &space)
+  {
+    TemporaryFolder folder;
+    const Ledger ledger;
+    const StructureModel<dim> &model = *structures[0].model;
+    const auto writer =
+      feib::testing::registry().create<OutputWriter<dim>>("vtu", R"({"nodal": true})");
+    writer->write({0, 0., folder.path, space, structures, ledger});
+    const VtuFile vtu(folder.read("body_000000.vtu"));
+    const auto &mesh     = model.mesh();
+    const unsigned int n = mesh.structure_dim() + 1;
+    NodalField<dim> load;
+    model.load(model.positions, load);
+    std::vector<double> measures(mesh.n_nodes(), 0.), energy(mesh.n_nodes(), 0.);
+    double total = 0;
+    for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+      {
+        const auto &element = mesh.elements()[e];
+        total += element.measure * model.energy_density(model.positions)[e];
+        for (unsigned int k = 0; k < n; ++k)
+          {
+            measures[element.nodes[k]] += element.measure / n;
+            energy[element.nodes[k]] =
+              vtu["energy_density_nodal"][unsigned(vtu["connectivity"][n * e + k])];
+          }
+      }
+    double projected = 0;
+    for (unsigned int i = 0; i < mesh.n_nodes(); ++i)
+      projected += measures[i] * energy[i];
+    EXPECT_NEAR(projected, total, 1e-13 * std::abs(total));
+    for (unsigned int e = 0; e < mesh.n_elements(); ++e)
+      for (unsigned int k = 0; k < n; ++k)
+        {
+          const unsigned int node = mesh.elements()[e].nodes[k];
+          for (unsigned int a = 0; a < dim; ++a)
+            EXPECT_NEAR(vtu["force_density"][3 * unsigned(vtu["connectivity"][n * e + k]) + a],
+                        load[node][a] / measures[node],
+                        1e-12 * (1 + std::abs(load[node][a] / measures[node])));
+        }
+    MPI_Barrier(MPI_COMM_WORLD);
   }
 
   template <int dim>
@@ -189,6 +261,7 @@ namespace
     const auto writer = feib::testing::registry().create<OutputWriter<dim>>("vtu");
     writer->write({0, 0., folder.path, *space, structures, ledger});
     const VtuFile vtu(folder.read("body_000000.vtu"));
+    check_nodal_fields<dim>(structures, *space);
 
     const auto &mesh     = model.mesh();
     const auto density   = model.energy_density(model.positions);
