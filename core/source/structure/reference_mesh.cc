@@ -2,9 +2,13 @@
 #include <feib/reference_mesh.h>
 
 #include "built_in_meshes.h"
+#include "mesh_builder.h"
 #include "mesh_from_file.h"
+#include "refined_mesh.h"
 #include "united_mesh.h"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace feib
@@ -87,6 +91,24 @@ namespace feib
         }
       return united_mesh<dim>(meshes, names);
     }
+
+
+    template <int dim>
+    LagrangianMesh<dim>
+    refine(const Parameters &block, const unsigned int structure_dim)
+    {
+      LagrangianMesh<dim> mesh = make_reference_mesh<dim>(block.child("mesh"), structure_dim);
+      const double longest     = block.number("longest_edge");
+      const auto too_long      = [longest](const auto &element) {
+        return element.diameter > (1 + 1e-10) * longest;
+      };
+      while (std::any_of(mesh.elements().begin(), mesh.elements().end(), too_long))
+        {
+          check_number(block, "longest_edge", std::ldexp(mesh.n_elements(), structure_dim));
+          mesh = refined_mesh(mesh);
+        }
+      return mesh;
+    }
   } // namespace
 
 
@@ -97,6 +119,8 @@ namespace feib
     const auto [name, block] = mesh.choice();
     if (name == "parts")
       return unite<dim>(block, structure_dim);
+    if (name == "refined")
+      return refine<dim>(block, structure_dim);
     if (name == "gmsh")
       return read<dim>(block, structure_dim, read_gmsh_file);
     if (name == "vtk")
