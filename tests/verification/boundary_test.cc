@@ -88,7 +88,9 @@ TEST(Boundary, PoiseuilleFlowIsExact)
         // -int x p + y |force_x|. In the symmetric form the ends keep their fluid straight by a
         // shear, whose share of the corner counts for the wall.
         if (example.form == "laplacian")
-          EXPECT_NEAR(last(result, "torque_z_y_max"), -4. / 3 + 1, 1e-8);
+          {
+            EXPECT_NEAR(last(result, "torque_z_y_max"), -4. / 3 + 1, 1e-8);
+          }
         EXPECT_NEAR(last(result, "power_x_min") + last(result, "power_x_max"), 5. / 3, 1e-8);
       }
 }
@@ -161,7 +163,7 @@ TEST(Boundary, WindkesselFollowsItsClosedForm)
         // what the force says; inside the one of the spaces is not quite that.
         const double t = result.ledger.at("time")[i] - dt / 2, decay = std::exp(-t / 2);
         const double p = .25 + 2 * (1 - decay) + .4 * (.5 * std::sin(t) - std::cos(t) + decay);
-        EXPECT_NEAR(result.ledger.at("flux_x_max")[i], 1 + .5 * std::sin(t), 1e-9);
+        EXPECT_NEAR(result.ledger.at("flux_x_max")[i], 1 + .5 * std::sin(t), .1 * dt * dt);
         largest = std::max(largest,
                            std::abs(-result.ledger.at("force_x_x_max")[i] - p -
                                     .5 * (1 + .5 * std::sin(t))));

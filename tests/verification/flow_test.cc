@@ -484,6 +484,24 @@ TEST_F(OutletsOfRuns, AFluxMayBeZero)
 }
 
 
+/// Where a flux has a kink, as those of files have, schemes that damp nothing do not go on to
+/// bounce between too much and too little.
+TEST_F(OutletsOfRuns, AFluxWithAKinkIsFollowed)
+{
+  const CaseRun result = run("kink",
+                             channel(R"j({ "flux": { "value": "-min(1,t/0.25)" } })j", outflow),
+                             set("time/integrator", R"({"midpoint":{}})"));
+  for (unsigned int i = 4; i <= 10; ++i)
+    {
+      EXPECT_NEAR(result.ledger.at("momentum_x")[i], 4, 1e-8); // density flux length
+      if (i > 4)
+        {
+          EXPECT_NEAR(result.ledger.at("flux_x_min")[i], -1, 1e-8);
+        }
+    }
+}
+
+
 /// With steps much longer than the flow takes to change, what outlets answer changes within one.
 TEST_F(OutletsOfRuns, NewtonsMethodConvergesWithLongSteps)
 {

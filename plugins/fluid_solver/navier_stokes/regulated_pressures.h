@@ -34,7 +34,8 @@ namespace feib
       return outlets.empty();
     }
 
-    /// The equations of a backward Euler step of length dt to that time. @p linear: whether what
+    /// The equations of a backward Euler step of length dt to that time, from the old velocity of
+    /// the space. Collective. @p linear: whether what
     /// the fluid answers is the same in every state.
     void begin(const EulerianSpace<dim> &space, double time, double dt, bool linear);
 
