@@ -42,8 +42,8 @@ namespace feib
   template <int dim>
   dealii::Point<dim>
   element_corner(const LagrangianMesh<dim> &mesh,
-         const typename LagrangianMesh<dim>::Element &element,
-         const unsigned int k)
+                 const typename LagrangianMesh<dim>::Element &element,
+                 const unsigned int k)
   {
     const unsigned int m = mesh.structure_dim();
     dealii::Tensor<2, dim> gradients;
@@ -114,12 +114,10 @@ namespace feib
     return result;
   }
 
-  template dealii::Point<2> element_corner(const LagrangianMesh<2> &,
-                                           const LagrangianMesh<2>::Element &,
-                                           unsigned int);
-  template dealii::Point<3> element_corner(const LagrangianMesh<3> &,
-                                           const LagrangianMesh<3>::Element &,
-                                           unsigned int);
+  template dealii::Point<2>
+  element_corner(const LagrangianMesh<2> &, const LagrangianMesh<2>::Element &, unsigned int);
+  template dealii::Point<3>
+  element_corner(const LagrangianMesh<3> &, const LagrangianMesh<3>::Element &, unsigned int);
   template LagrangianMesh<2> united_mesh(const std::vector<LagrangianMesh<2>> &,
                                          const std::vector<std::string> &);
   template LagrangianMesh<3> united_mesh(const std::vector<LagrangianMesh<3>> &,

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace feib
 {
@@ -53,7 +54,9 @@ namespace feib
           Positions<dim> &X)
     {
       const std::vector<dealii::Point<dim>> &nodes = mesh.nodes();
-      const auto [mesh_name, keys]                 = block.child("mesh").choice();
+      auto [mesh_name, keys]                       = block.child("mesh").choice();
+      if (mesh_name == "refined")
+        std::tie(mesh_name, keys) = keys.child("mesh").choice();
       const bool glued = mesh_name == "closed_curve" || mesh_name == "periodic_strip";
       if (!given.has("initial_position"))
         {

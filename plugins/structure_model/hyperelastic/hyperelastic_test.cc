@@ -477,7 +477,78 @@ namespace
            R"(}, {"name": "second", "mesh": )" + second + R"(, "initial_position": )" + place +
            "}]}}";
   }
+
+  std::string
+  refined(const std::string &mesh, const std::string &longest_edge)
+  {
+    return R"({"refined": {"mesh": )" + mesh + R"(, "longest_edge": )" + longest_edge + "}}";
+  }
+
+  template <int dim>
+  double
+  longest(const StructureModel<dim> &model)
+  {
+    double result = 0;
+    for (const auto &element : model.mesh().elements())
+      result = std::max(result, element.diameter);
+    return result;
+  }
 } // namespace
+
+
+// Splitting changes neither the body nor its energy under an affine motion; seams stay seams.
+TEST(Hyperelastic, RefinedMeshesAreTheSameBody)
+{
+  const auto check = [](const auto &coarse,
+                        const auto &fine,
+                        const unsigned int factor,
+                        const bool straight = true) {
+    EXPECT_EQ(fine->mesh().n_elements(), factor * coarse->mesh().n_elements());
+    EXPECT_EQ(fine->mesh().surface().size(), factor / 2 * coarse->mesh().surface().size());
+    for (unsigned int e = 0; e < fine->mesh().n_elements(); ++e)
+      {
+        EXPECT_EQ(fine->mesh().elements()[e].material_id,
+                  coarse->mesh().elements()[e / factor].material_id);
+        EXPECT_NEAR(fine->mesh().elements()[e].measure,
+                    coarse->mesh().elements()[e / factor].measure / factor,
+                    1e-13);
+      }
+    if (!straight)
+      return;
+    EXPECT_NEAR(fine->measure(fine->positions), coarse->measure(coarse->positions), 1e-12);
+    for (const auto &model : {&*coarse, &*fine})
+      for (auto &x : model->positions)
+        x[0] = 1.2 * x[0] + .1 * x[1];
+    EXPECT_NEAR(fine->energy(fine->positions), coarse->energy(coarse->positions), 1e-12);
+  };
+  const auto flat        = make_model<2>(component, ring, neo_hookean);
+  const std::string half = std::to_string(.51 * longest(*flat));
+  check(flat, make_model<2>(component, refined(ring, half), neo_hookean), 4);
+  check(make_model<2>(component, strip(20), neo_hookean, strip_map),
+        make_model<2>(
+          component,
+          refined(strip(20),
+                  std::to_string(
+                    .51 * longest(*make_model<2>(component, strip(20), neo_hookean, strip_map)))),
+          neo_hookean,
+          strip_map),
+        4,
+        false);
+  // The octahedron inside a tetrahedron has a diagonal that may be longer than half an edge.
+  const auto solid = make_model<3>(component, ball, neo_hookean);
+  const auto fine =
+    make_model<3>(component, refined(ball, std::to_string(.99 * longest(*solid))), neo_hookean);
+  check(solid, fine, 8);
+  EXPECT_LT(longest(*fine), .99 * longest(*solid));
+  // A mesh whose elements are short enough stays as it is.
+  EXPECT_EQ(make_model<2>(component, refined(disc, "10"), neo_hookean)->mesh().n_elements(),
+            make_model<2>(component, disc, neo_hookean)->mesh().n_elements());
+  EXPECT_TRUE(contains(error_of<2>(component, refined(disc, "1e-6"), neo_hookean),
+                       "/mesh/refined/longest_edge: gives"));
+  EXPECT_TRUE(contains(error_of<2>(component, refined(strip(9), "1"), neo_hookean),
+                       "lacks \"initial_position\""));
+}
+
 
 // A structure of several parts is what its parts are by themselves; each is a material.
 TEST(Hyperelastic, PartsAreMeshesOfTheirOwn)
