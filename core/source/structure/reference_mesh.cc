@@ -99,12 +99,16 @@ namespace feib
     {
       LagrangianMesh<dim> mesh = make_reference_mesh<dim>(block.child("mesh"), structure_dim);
       const double longest     = block.number("longest_edge");
-      const auto too_long      = [longest](const auto &element) {
-        return element.diameter > (1 + 1e-10) * longest;
+      const auto halvings      = [&] {
+        double diameter = 0;
+        for (const auto &element : mesh.elements())
+          diameter = std::max(diameter, element.diameter);
+        return std::ceil(std::log2(diameter / longest) - 1e-9);
       };
-      while (std::any_of(mesh.elements().begin(), mesh.elements().end(), too_long))
+      // The octahedra in the middle of tetrahedra may want one more.
+      for (double n = halvings(); n > 0; n = halvings())
         {
-          check_number(block, "longest_edge", std::ldexp(mesh.n_elements(), structure_dim));
+          check_number(block, "longest_edge", mesh.n_elements() * std::exp2(n * structure_dim));
           mesh = refined_mesh(mesh);
         }
       return mesh;
