@@ -326,6 +326,32 @@ TEST(Boundary, AClosedValveIsTight)
 }
 
 
+/// A static pressure lets kinetic energy in: through a narrow inlet without bound. That is said.
+TEST(Boundary, AnInflowThatGrowsWithoutBoundIsNamed)
+{
+  const TemporaryFolder folder;
+  const auto inlet = [](const std::string &inflow) {
+    return R"j({ "dimension": 2, "domain": { "upper": [2, 1], "cells": [16, 8], "boundary": {
+        "x_min": { "parts": { "list": [ { "where": "abs(y-0.5) < 0.19",
+          "condition": { "pressure": { "value": "ramp(t/0.5)", "inflow": ")j" +
+           inflow + R"j(" } } } ] } }, "x_max": { "pressure": { "value": 0 } } } },
+      "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.005 } },
+      "time": { "step": 0.02, "end": 4, "control": { "adaptive": {} } },
+      "output": [ { "ledger_csv": {} } ] })j";
+  };
+  const CaseRun grows = run_case(folder.write("static.json", inlet("static")), "");
+  EXPECT_EQ(grows.exit_code, 1);
+  EXPECT_NE(std::string(grows.summary["message"]).find("nothing bounds such an inflow"),
+            std::string::npos)
+    << grows.summary["message"];
+  const CaseRun bounded = run(inlet("total"));
+  // Bernoulli at the inlet and Borda-Carnot behind it, 3/8 of the height: u^2/2 - u^2 a (1 - a)
+  // = 1.
+  const double a = 3. / 8, u = 1 / std::sqrt(.5 - a * (1 - a));
+  EXPECT_NEAR(last(bounded, "largest_velocity"), u, .1 * u);
+}
+
+
 TEST(Boundary, WhatLeavesThePressureUnknownIsRefused)
 {
   const auto refused = [](const std::string &in, const std::string &out, const std::string &says) {

@@ -293,6 +293,11 @@ namespace feib
     check_limits(time, dt);
     if (energies->grew || dt > accounts.smallest_limit())
       return ": " + stability_sentence(dt);
+    const auto &totals = accounts.totals;
+    if (-totals.convected > std::abs(totals.boundary_work) + std::abs(totals.body_work))
+      return ": with the fluid that comes in at a static pressure more kinetic energy has come in "
+             "than all pressures and forces have worked, and nothing bounds such an inflow; with "
+             "\"inflow\": \"total\" none comes in";
     return "";
   }
 
