@@ -122,6 +122,25 @@ TEST(Ranks, MembraneInAPeriodicBox)
               " --set /time/end=0.02 --set /domain/cells=[16,16]");
 }
 
+TEST(Ranks, BodiesInContact)
+{
+  compare("two_discs",
+          "--set /fluid/navier_stokes/tolerance=1e-13 --set /time/end=0.12 "
+          "--set /domain/cells=[8,16] "
+          "--set /structures/0/hyperelastic/mesh/parts/meshes/0/mesh/disc/centre=[0.49,1.17] "
+          "--set '/structures/0/hyperelastic/excess_density=s2 > 1.04 ? 1 : 0'");
+}
+
+TEST(Ranks, SheetAcrossAPeriodicBox)
+{
+  compare("elliptic_membrane",
+          tight + "--set /time/step=0.002 --set /time/end=0.024 --set /domain/cells=[8,8] "
+                  "--set '/structures/0/membrane/mesh={\"open_curve\": {\"length\": 1, "
+                  "\"elements\": 24}}' --set '/structures/0/membrane/initial_position=[\"0.3 + "
+                  "s1\", \"0.5 + 0.1 * sin(2 * pi * s1)\"]' "
+                  "--set '/refinement={\"immersed_cells\": {\"level\": 1, \"interval\": 3}}'");
+}
+
 TEST(Ranks, EllipsoidOnAMeshThatFollowsIt)
 {
   compare("ellipsoid",

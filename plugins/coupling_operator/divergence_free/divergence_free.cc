@@ -12,6 +12,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <sstream>
 
 namespace feib
@@ -28,6 +29,9 @@ namespace feib
   /// which turns and stretches N_i into n_K, while sum_K T_iK / dim = I. So nodal forces p N_i of a
   /// uniform pressure become the pressure p n_K on all facets, which moves no divergence-free
   /// fluid, and the volume gained, sum_i N_i . U_i, is the flux of R u: zero for a closed surface.
+  ///
+  /// Nodes that a periodic box identifies, where a structure reaches across it and begins anew, are
+  /// one node: the sum is over the facets of all of them.
   ///
   /// A node in a wall that nothing can cross stays in it: it moves with u(X_i) along the wall. What
   /// its average would have been beyond that goes to the other nodes of its facets,
@@ -95,6 +99,7 @@ namespace feib
     // The geometry, with this rank's cells.
     std::unique_ptr<Reconstruction<dim>> reconstruction; // null before a cell is known
     NodalField<dim> zero;                                // of the points
+    std::vector<unsigned int> images;                    // of find_images(); of points, themselves
     std::vector<Sheet<dim>> sheets;
     SheetPieces<dim> pieces;
     std::vector<Plain> plain;
@@ -170,13 +175,18 @@ namespace feib
     });
 
     sheets.clear();
+    images.resize(x.size());
+    std::iota(images.begin(), images.end(), 0u);
     if (points.are_nodes(mesh.n_nodes()))
-      sheets = find_sheets(space.domain(), mesh, X);
+      {
+        images = find_images(space.domain(), mesh, X);
+        sheets = find_sheets(space.domain(), mesh, X, images);
+      }
     agree(space.communicator(), [&] {
       for (const Sheet<dim> &sheet : sheets)
         for (unsigned int a = 0; a < dim; ++a)
-          for (const unsigned int i : sheet.nodes)
-            if (std::abs(X[i][a] - X[sheet.nodes[0]][a]) >
+          for (const unsigned int i : sheet.corners)
+            if (std::abs(X[i][a] - X[sheet.corners[0]][a]) >
                 space.domain().upper[a] - space.domain().lower[a])
               throw RunFailure("a structure is torn: one of its elements is longer than the box");
     });
@@ -195,7 +205,7 @@ namespace feib
     plain.clear();
     dealii::Point<dim> unit;
     for (unsigned int q = 0; q < x.size(); ++q)
-      if (!moved[q])
+      if (!moved[q] && images[q] == q)
         if (const unsigned int cell = space.forest().locate(x[q], unit);
             cell != CartesianForest<dim>::not_here)
           {
@@ -273,6 +283,9 @@ namespace feib
     U.update_ghosts();
     for_each_shared(
       [&](const unsigned int i, const unsigned int j, const Matrix &A) { U[j] -= A * U[i]; });
+    for (unsigned int i = 0; i < images.size(); ++i)
+      if (images[i] != i)
+        U[i] = U[images[i]];
   }
 
 
@@ -284,8 +297,13 @@ namespace feib
   {
     rhs.zero_out_ghost_values();
     NodalField<dim> forces = f;
-    for_each_shared(
-      [&](const unsigned int i, const unsigned int j, const Matrix &A) { forces[i] -= f[j] * A; });
+    for (unsigned int i = 0; i < images.size(); ++i)
+      if (images[i] != i)
+        forces[images[i]] += f[i];
+    // Never both: a node in a wall and one moved.
+    for_each_shared([&](const unsigned int i, const unsigned int j, const Matrix &A) {
+      forces[i] -= forces[j] * A;
+    });
     std::vector<Coefficients> cells(pieces.cells.size()); // functionals of R u, zero
     for (const auto &piece : pieces.list)
       {
@@ -327,13 +345,21 @@ namespace feib
   {
     const auto &partitioner = *space.velocity.get_partitioner();
     MatrixEntries result;
-    const auto add_row =
-      [&](const std::uint64_t row, const unsigned int cell, const double *weights) {
-        for (unsigned int j = 0; j < n_velocity; ++j)
-          if (weights[j] != 0)
-            result.push_back(
-              {row, partitioner.local_to_global(space.velocity_dofs(cell)[j]), weights[j]});
-      };
+    std::multimap<unsigned int, unsigned int> images_of;
+    for (unsigned int i = 0; i < images.size(); ++i)
+      images_of.emplace(images[i], i); // itself among them
+    const auto add_row = [&](const unsigned int node,
+                             const unsigned int a,
+                             const unsigned int cell,
+                             const double *weights) {
+      const auto [begin, end] = images_of.equal_range(node);
+      for (unsigned int j = 0; j < n_velocity; ++j)
+        if (weights[j] != 0)
+          for (auto image = begin; image != end; ++image)
+            result.push_back({std::uint64_t(image->second) * dim + a,
+                              partitioner.local_to_global(space.velocity_dofs(cell)[j]),
+                              weights[j]});
+    };
 
     // The pieces of a node in a cell together make one functional for each component.
     std::map<std::pair<unsigned int, unsigned int>, std::array<Coefficients, dim>> functionals;
@@ -357,7 +383,7 @@ namespace feib
       for (unsigned int a = 0; a < dim; ++a)
         {
           reconstruction->weights(functional[a], weights);
-          add_row(std::uint64_t(place.first) * dim + a, place.second, weights);
+          add_row(place.first, a, place.second, weights);
         }
     // Where the velocity of a node in a wall enters beside its own row.
     std::vector<std::vector<std::pair<unsigned int, Matrix>>> others(zero.size());
@@ -368,16 +394,17 @@ namespace feib
       for (unsigned int a = 0; a < dim; ++a)
         if (!point.held[a])
           {
-            const auto add_multiple = [&](const std::uint64_t row, const double factor) {
-              std::fill_n(weights, n_velocity, 0.);
-              for (unsigned int i = 0; i < n; ++i)
-                weights[a * n + i] = factor * point.values[i];
-              add_row(row, point.cell, weights);
-            };
-            add_multiple(std::uint64_t(point.point) * dim + a, 1.);
+            const auto add_multiple =
+              [&](const unsigned int node, const unsigned int b, const double factor) {
+                std::fill_n(weights, n_velocity, 0.);
+                for (unsigned int i = 0; i < n; ++i)
+                  weights[a * n + i] = factor * point.values[i];
+                add_row(node, b, point.cell, weights);
+              };
+            add_multiple(point.point, a, 1.);
             for (const auto &[j, A] : others[point.point])
               for (unsigned int b = 0; b < dim; ++b)
-                add_multiple(std::uint64_t(j) * dim + b, -A[b][a]);
+                add_multiple(j, b, -A[b][a]);
           }
     return result;
   }

@@ -62,9 +62,13 @@ namespace
   template <int dim>
   struct Setting
   {
-    Setting(const Shape shape, const bool body, const bool refined)
-      : space(feib::testing::make_space<dim>(dim == 2 ? "{\"cells\": [8, 8]}"
-                                                      : "{\"cells\": [4, 4, 4]}"))
+    Setting(const Shape shape,
+            const bool body,
+            const bool refined,
+            const std::string &periodic = "[]")
+      : space(feib::testing::make_space<dim>(
+          std::string(dim == 2 ? "{\"cells\": [8, 8]" : "{\"cells\": [4, 4, 4]") +
+          ", \"periodic\": " + periodic + "}"))
       , mesh(feib::testing::make_simplex_mesh<dim>(dim, dim == 2 ? 12 : 4))
       , fluid(feib::testing::registry().create<FluidSolver<dim>>(
           "navier_stokes",
@@ -346,6 +350,83 @@ TEST(DivergenceFree, ABodyOnWallsKeepsItsVolumeAndUniformPressureMovesNothing)
                                   standing(Setting<3>(shape, body, refined), between)),
                       1e-12);
           }
+}
+
+/// A wavy sheet, or a thick one, across a periodic box: what it parts stays parted, and both ends
+/// are one.
+template <int dim>
+void
+check_across(const bool body, const bool refined)
+{
+  SCOPED_TRACE("dim " + std::to_string(dim) + (body ? ", body" : "") +
+               (refined ? ", refined" : ""));
+  const auto across = [&](const double shift) {
+    Setting<dim> setting(Shape::ragged, true, refined, dim == 2 ? "[\"x\"]" : "[\"x\", \"y\"]");
+    const unsigned int m = body ? dim : dim - 1;
+    setting.mesh         = feib::testing::make_simplex_mesh<dim>(m, dim == 2 ? 12 : 4);
+    setting.X            = Positions<dim>(setting.mesh);
+    for (unsigned int i = 0; i < setting.X.size(); ++i)
+      {
+        const dealii::Point<dim> &s = setting.mesh.nodes()[i];
+        double wave                 = 0;
+        for (unsigned int a = 0; a + 1 < dim; ++a)
+          {
+            setting.X[i][a] = s[a] + shift;
+            wave += .1 * std::sin(2 * dealii::numbers::PI * setting.X[i][a] + a);
+          }
+        setting.X[i][dim - 1] = .4 + wave + (body ? .17 * s[dim - 1] : 0.);
+      }
+    return setting;
+  };
+  EXPECT_LT(spurious_velocity("divergence_free", across(.3)), 1e-12);
+  EXPECT_LT(volume_rate("divergence_free", across(.3)), 1e-12);
+  EXPECT_GT(spurious_velocity("variational", across(.3)), 1e-6);
+  EXPECT_GT(volume_rate("variational", across(.3)), 1e-6);
+
+  Setting<dim> setting = across(.3);
+  VelocityVector load  = setting.space->make_velocity();
+  std::mt19937 random(5);
+  for (unsigned int i = 0; i < load.locally_owned_size(); ++i)
+    load.local_element(i) = random() % 100;
+  setting.advance(load);
+  const VelocityVector &u = setting.space->velocity;
+  NodalField<dim> U;
+  make_coupling("divergence_free", setting)->interpolate(*setting.space, u, U);
+  const double largest = u.linfty_norm();
+  EXPECT_GT(largest, 1e-3);
+  unsigned int n_images = 0;
+  for (unsigned int i = 0; i < U.size(); ++i)
+    for (unsigned int j = 0; j < i; ++j)
+      {
+        dealii::Tensor<1, dim> apart = setting.mesh.nodes()[i] - setting.mesh.nodes()[j];
+        for (unsigned int a = 0; a + 1 < dim; ++a)
+          apart[a] -= std::round(apart[a]);
+        if (apart.norm() > 1e-9)
+          continue;
+        ++n_images;
+        EXPECT_LT((U[i] - U[j]).norm(), 1e-14 * largest) << i << ' ' << j;
+      }
+  EXPECT_GT(n_images, 0u);
+
+  // What the first node is does not matter.
+  if (dim == 2 && !body)
+    {
+      Setting<dim> turned = across(.3 + 5. / 12);
+      NodalField<dim> V;
+      make_coupling("divergence_free", turned)->interpolate(*setting.space, u, V);
+      for (unsigned int i = 0; i < 12; ++i)
+        EXPECT_LT((U[(i + 5) % 12] - V[i]).norm(), 1e-13 * largest) << i;
+    }
+}
+
+TEST(DivergenceFree, ASheetAcrossAPeriodicBoxIsWhole)
+{
+  for (const bool body : {false, true})
+    for (const bool refined : {false, true})
+      {
+        check_across<2>(body, refined);
+        check_across<3>(body, refined);
+      }
 }
 
 /// A curve that lies in a wall stays in it, where it is when the fluid does not slip.

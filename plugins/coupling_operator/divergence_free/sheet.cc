@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sheet.h"
 
+#include <deal.II/base/numbers.h>
+
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
+#include <numeric>
 
 namespace feib
 {
@@ -22,27 +28,110 @@ namespace feib
 
 
   template <int dim>
-  std::vector<Sheet<dim>>
-  find_sheets(const Domain<dim> &domain, const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
+  std::vector<unsigned int>
+  find_images(const Domain<dim> &domain, const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
   {
+    constexpr double near = 1e-6; // of the box
+    std::vector<unsigned int> images(mesh.n_nodes());
+    std::iota(images.begin(), images.end(), 0u);
+    dealii::Point<dim> low = X[0], high = X[0];
+    for (const dealii::Point<dim> &x : X)
+      for (unsigned int a = 0; a < dim; ++a)
+        {
+          low[a]  = std::min(low[a], x[a]);
+          high[a] = std::max(high[a], x[a]);
+        }
+    std::array<bool, dim> spans; // a whole period
+    for (unsigned int a = 0; a < dim; ++a)
+      spans[a] =
+        domain.periodic(a) && high[a] - low[a] > (1 - near) * (domain.upper[a] - domain.lower[a]);
+    if (std::find(spans.begin(), spans.end(), true) == spans.end())
+      return images;
+
+    // Numbers that are the same for images, and a sum of them to sort by.
+    struct End
+    {
+      double key = 0;
+      unsigned int node;
+      std::array<double, 2 * dim> signature;
+    };
+    std::vector<End> ends;
+    std::vector<bool> known(mesh.n_nodes(), false);
+    for (const auto &face : mesh.faces())
+      for (unsigned int v = 0; face.at_boundary() && v < mesh.structure_dim(); ++v)
+        if (const unsigned int i = face.nodes[v]; !known[i])
+          {
+            known[i] = true;
+            End end{0, i, {}};
+            for (unsigned int a = 0; a < dim; ++a)
+              {
+                const double turns =
+                  (X[i][a] - domain.lower[a]) / (domain.upper[a] - domain.lower[a]);
+                const double angle       = 2 * dealii::numbers::PI * turns;
+                end.signature[2 * a]     = spans[a] ? std::cos(angle) : turns;
+                end.signature[2 * a + 1] = spans[a] ? std::sin(angle) : 0.;
+                end.key += end.signature[2 * a] / (a + 1.3) + end.signature[2 * a + 1] / (a + 2.7);
+              }
+            ends.push_back(end);
+          }
+    std::sort(ends.begin(), ends.end(), [](const End &a, const End &b) { return a.key < b.key; });
+    for (auto e = ends.begin(); e != ends.end(); ++e)
+      for (auto f = e; f != ends.begin() && e->key - std::prev(f)->key < 2 * dim * near;)
+        {
+          --f;
+          double distance = 0;
+          for (unsigned int k = 0; k < 2 * dim; ++k)
+            distance = std::max(distance, std::abs(e->signature[k] - f->signature[k]));
+          if (distance < near)
+            images[e->node] = images[f->node] = std::min(images[e->node], images[f->node]);
+        }
+    return images;
+  }
+
+
+  template <int dim>
+  std::vector<Sheet<dim>>
+  find_sheets(const Domain<dim> &domain,
+              const LagrangianMesh<dim> &mesh,
+              const Positions<dim> &X,
+              const std::vector<unsigned int> &images)
+  {
+    using Facet         = typename Sheet<dim>::Facet;
+    const auto nodes_of = [&](Facet facet) {
+      for (unsigned int &node : facet)
+        node = images[node];
+      return facet;
+    };
+    // Two faces of a body that are images of each other are inside it.
+    const auto sorted = [&](const Facet &facet) {
+      Facet nodes = nodes_of(facet);
+      std::sort(nodes.begin(), nodes.end());
+      return nodes;
+    };
+    std::map<Facet, unsigned int> n_faces;
+    for (const auto &facet : mesh.surface())
+      ++n_faces[sorted(facet)];
+
     std::vector<Sheet<dim>> result;
     std::vector<bool> outer(mesh.n_nodes(), false);
     for (const auto &facet : mesh.surface())
       {
-        result.push_back({facet, {}, {}, {}});
+        if (mesh.structure_dim() == dim && n_faces[sorted(facet)] > 1)
+          continue;
+        result.push_back({facet, nodes_of(facet), {}, {}, {}});
         for (unsigned int v = 0; v < dim; ++v)
           {
             const std::array<bool, dim> held = domain.held(X[facet[v]]);
-            result.back().at_wall[v] = std::find(held.begin(), held.end(), true) != held.end();
-            result.back().moves[v]   = !result.back().at_wall[v];
-            outer[facet[v]]          = true;
+            result.back().at_wall[v]      = std::find(held.begin(), held.end(), true) != held.end();
+            result.back().moves[v]        = !result.back().at_wall[v];
+            outer[result.back().nodes[v]] = true;
           }
       }
     for (const auto &facet : mesh.interfaces())
       {
-        result.push_back({facet, {}, {}, {}});
+        result.push_back({facet, nodes_of(facet), {}, {}, {}});
         for (unsigned int v = 0; v < dim; ++v)
-          result.back().moves[v] = !outer[facet[v]];
+          result.back().moves[v] = !outer[result.back().nodes[v]];
       }
     return result;
   }
@@ -58,7 +147,7 @@ namespace feib
     std::vector<unsigned int> n_facets(X.size(), 0);
     for (unsigned int k = 0; k < sheets.size(); ++k)
       {
-        normals[k] = vector_area<dim>(sheets[k].nodes, X);
+        normals[k] = vector_area<dim>(sheets[k].corners, X);
         for (unsigned int v = 0; v < dim; ++v)
           if (sheets[k].moves[v])
             {
@@ -94,10 +183,18 @@ namespace feib
   }
 
 
-  template std::vector<Sheet<2>>
-  find_sheets(const Domain<2> &, const LagrangianMesh<2> &, const Positions<2> &);
-  template std::vector<Sheet<3>>
-  find_sheets(const Domain<3> &, const LagrangianMesh<3> &, const Positions<3> &);
+  template std::vector<unsigned int>
+  find_images(const Domain<2> &, const LagrangianMesh<2> &, const Positions<2> &);
+  template std::vector<Sheet<2>> find_sheets(const Domain<2> &,
+                                             const LagrangianMesh<2> &,
+                                             const Positions<2> &,
+                                             const std::vector<unsigned int> &);
+  template std::vector<unsigned int>
+  find_images(const Domain<3> &, const LagrangianMesh<3> &, const Positions<3> &);
+  template std::vector<Sheet<3>> find_sheets(const Domain<3> &,
+                                             const LagrangianMesh<3> &,
+                                             const Positions<3> &,
+                                             const std::vector<unsigned int> &);
   template void set_flux_maps(std::vector<Sheet<2>> &, const Positions<2> &, bool);
   template void set_flux_maps(std::vector<Sheet<3>> &, const Positions<3> &, bool);
 } // namespace feib

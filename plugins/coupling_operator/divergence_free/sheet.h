@@ -20,7 +20,8 @@ namespace feib
     using Facet  = typename LagrangianMesh<dim>::Facet;
     using Matrix = dealii::Tensor<2, dim>;
 
-    Facet nodes;
+    Facet corners; // the nodes whose positions are its corners
+    Facet nodes;   // those that move with it: of nodes that are images of one, that one
     std::array<bool, dim> moves;
     std::array<bool, dim> at_wall;
     std::array<Matrix, dim> maps;
@@ -36,10 +37,19 @@ namespace feib
     }
   };
 
-  /// The facets that nodes move with, their maps not set yet.
+  /// For each node itself or, where a structure reaches across a periodic box and begins anew, the
+  /// first node that is whole periods away: both are one point of the structure.
   template <int dim>
-  std::vector<Sheet<dim>>
-  find_sheets(const Domain<dim> &domain, const LagrangianMesh<dim> &mesh, const Positions<dim> &X);
+  std::vector<unsigned int>
+  find_images(const Domain<dim> &domain, const LagrangianMesh<dim> &mesh, const Positions<dim> &X);
+
+  /// The facets that nodes move with, their maps not set yet; none where a body continues in its
+  /// image. @p images: of find_images().
+  template <int dim>
+  std::vector<Sheet<dim>> find_sheets(const Domain<dim> &domain,
+                                      const LagrangianMesh<dim> &mesh,
+                                      const Positions<dim> &X,
+                                      const std::vector<unsigned int> &images);
 
   /// Sets the maps T_iK; of multiples of the identity, the parts of areas, unless @p flux_exact.
   template <int dim>

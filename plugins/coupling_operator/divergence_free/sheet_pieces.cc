@@ -238,7 +238,7 @@ namespace feib
           continue;
         std::array<dealii::Point<dim>, dim> corners;
         for (unsigned int v = 0; v < dim; ++v)
-          corners[v] = X[sheets[k].nodes[v]];
+          corners[v] = X[sheets[k].corners[v]];
         if (rule.cut)
           cutter.cut(k, corners);
         else

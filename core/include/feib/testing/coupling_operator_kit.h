@@ -55,16 +55,19 @@ namespace feib::testing
       for (unsigned int i = 0; i < 2; ++i)
         refine_where(*space, [](const auto &x) { return x[0] + x[1] < 0.9; });
 
-    // A bent patch; across the seam of the box when that is periodic.
+    // A bent patch; across the seam of the box when that is periodic, once around it when also
+    // refined.
+    const bool around              = periodic && refined;
     const LagrangianMesh<dim> mesh = make_simplex_mesh<dim>(m, dim == 2 ? 12 : 4);
     Positions<dim> X(mesh);
     for (unsigned int i = 0; i < X.size(); ++i)
       {
-        const auto &s = mesh.nodes()[i];
-        X[i][0]       = (periodic ? .7 : .15) + .6 * s[0] + .05 * std::sin(5 * s[1]);
-        X[i][1]       = .2 + .5 * s[1] + .2 * s[0] * s[0];
+        const auto &s      = mesh.nodes()[i];
+        const double turns = around ? 2 * dealii::numbers::PI * s[0] : 3 * s[0];
+        X[i][0] = (periodic ? .7 : .15) + (around ? 1. : .6) * s[0] + .05 * std::sin(5 * s[1]);
+        X[i][1] = .2 + .5 * s[1] + (around ? .1 + .1 * std::sin(turns) : .2 * s[0] * s[0]);
         if constexpr (dim == 3)
-          X[i][2] = .3 + .4 * s[2] + .1 * std::cos(3 * s[0]);
+          X[i][2] = .3 + .4 * s[2] + .1 * std::cos(turns);
         if (standing) // but for round-off, outside and inside
           X[i][1] = s[1] > 0 ? X[i][1] - .2 : 1e-14 * (i % 3 - 1.);
       }
