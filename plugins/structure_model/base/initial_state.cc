@@ -94,7 +94,9 @@ namespace feib
               given.fail("initial_position",
                          "does not close: s1 = 0 and s1 = " + readable(end[0]) +
                            " are the same place of the mesh " + mesh_name +
-                           ", but their positions are " + readable(gap) + " apart");
+                           ", but their positions are " + readable(gap) +
+                           " apart; the mesh of what reaches across a periodic box is " +
+                           (mesh_name == "closed_curve" ? "open_curve" : "rectangle"));
           }
     }
 
