@@ -329,8 +329,8 @@ namespace
 
 
   /// Surfaces in three dimensions, levels that follow the structure or the flow, the classical
-  /// coupling, directions of fibres and forces that are tested with reconstructed velocities: what
-  /// the disc has not.
+  /// coupling, directions of fibres, forces that are tested with reconstructed velocities, a long
+  /// box: what the disc has not.
   TEST(Restart, EveryDimensionRefinementAndCouplingToTheBit)
   {
     const TemporaryFolder folder;
@@ -352,7 +352,9 @@ namespace
                    {"/structures/0/membrane/mesh/closed_curve/elements", 32},
                    {"/fluid/navier_stokes/body_force", {"20*sin(6*x)", "cos(9*x)*t"}},
                    {"/fluid/navier_stokes/reconstruction", "body_force"}}),
-       2e-3}};
+       2e-3},
+      // A long box: its trees are in another order than its coarse cells.
+      {small_case("cylinder_2d", {{"/checkpoint", {{"interval", 3}}}}), .03}};
     for (const auto &[document, end] : runs)
       {
         SCOPED_TRACE(document["title"]);

@@ -36,14 +36,12 @@ namespace feib
 
   template <int dim>
   CellKey
-  key_of(const dealii::parallel::distributed::Triangulation<dim> &mesh,
-         const dealii::CellAccessor<dim> &cell)
+  key_of(const dealii::CellAccessor<dim> &cell)
   {
+    // The coarse cells of a distributed mesh are known by their trees.
     const dealii::CellId id = cell.id();
     const auto children     = id.get_child_indices();
-    CellKey key{mesh.get_coarse_cell_to_p4est_tree_permutation()[id.get_coarse_cell_id()],
-                0,
-                static_cast<unsigned int>(children.size())};
+    CellKey key{id.get_coarse_cell_id(), 0, static_cast<unsigned int>(children.size())};
     for (const auto child : children)
       key.path = (key.path << dim) + child;
     key.path <<= dim * (deepest<dim> - key.level);
@@ -79,10 +77,8 @@ namespace feib
   cells_in_order(const dealii::parallel::distributed::Triangulation<2> &);
   template std::vector<dealii::Triangulation<3>::active_cell_iterator>
   cells_in_order(const dealii::parallel::distributed::Triangulation<3> &);
-  template CellKey key_of(const dealii::parallel::distributed::Triangulation<2> &,
-                          const dealii::CellAccessor<2> &);
-  template CellKey key_of(const dealii::parallel::distributed::Triangulation<3> &,
-                          const dealii::CellAccessor<3> &);
+  template CellKey key_of(const dealii::CellAccessor<2> &);
+  template CellKey key_of(const dealii::CellAccessor<3> &);
   template std::vector<CellKey> keys_of_levels<2>(const std::vector<unsigned char> &,
                                                   std::uint64_t);
   template std::vector<CellKey> keys_of_levels<3>(const std::vector<unsigned char> &,

@@ -40,8 +40,7 @@ namespace feib
   };
 
   template <int dim>
-  CellKey key_of(const dealii::parallel::distributed::Triangulation<dim> &mesh,
-                 const dealii::CellAccessor<dim> &cell);
+  CellKey key_of(const dealii::CellAccessor<dim> &cell);
 
   /// The keys of all cells of a forest from their levels, in order. Throws RunFailure when there is
   /// no such forest.

@@ -459,7 +459,7 @@ namespace feib
         if (cell->is_locally_owned())
           {
             // The cell of the wanted mesh that has the first corner.
-            const CellKey key    = key_of(triangulation, *cell);
+            const CellKey key    = key_of(*cell);
             const auto following = std::upper_bound(keys.begin(), keys.end(), key);
             const auto wanted    = std::prev(following)->level;
             if (wanted > key.level)
