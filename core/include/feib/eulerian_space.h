@@ -98,6 +98,12 @@ namespace feib
     /// out. Collective.
     void set_time(double t);
 
+    /// The same for the end or the middle, t, of a step from old_velocity, the state at @p begin.
+    /// By what that misses the conditions at its own time, half of that is added to them: schemes
+    /// that go on along a half step would mirror it for ever, as what a kink leaves, and so end
+    /// with none.
+    void set_time(double t, double begin);
+
     /// What is wrong with the velocity boundary conditions at the first of these times when
     /// something is; the same that set_time() refuses. Leaves the present time. Collective.
     Issues check_boundary(const std::vector<double> &times);
@@ -249,6 +255,7 @@ namespace feib
     double smallest_edge_length = 0, present_time = 0;
 
     FlatConstraints flat_constraints;
+    bool corrected = false; // by set_time(t, begin)
 
     /// Made when asked for.
     struct Continuity

@@ -286,14 +286,33 @@ namespace feib
   void
   EulerianSpace<dim>::set_time(const double t)
   {
-    if (box.time_dependent() && t != present_time)
+    if (box.time_dependent() && (t != present_time || corrected))
       {
         make_constraints(t);
         flatten_constraints();
       }
+    corrected    = false;
     present_time = t;
     if (!boundary_issues.empty())
       throw RunFailure(Error(boundary_issues).what());
+  }
+
+
+  template <int dim>
+  void
+  EulerianSpace<dim>::set_time(const double t, const double begin)
+  {
+    set_time(begin);
+    old_velocity.update_ghost_values();
+    std::vector<double> missed;
+    if (box.time_dependent())
+      for (const auto &line : flat_constraints.lines)
+        missed.push_back(old_velocity.local_element(line.unknown) -
+                         flat_constraints.value(old_velocity, line) - line.value);
+    set_time(t);
+    for (unsigned int i = 0; i < missed.size(); ++i)
+      flat_constraints.lines[i].value += missed[i] / 2;
+    corrected = !missed.empty();
   }
 
 

@@ -361,7 +361,7 @@ namespace feib
     if (total_pressure())
       add_dynamic_pressure(space, 1);
     past.guess(space, step.time);
-    space.set_time(step.time);
+    space.set_time(step.time, step.time - step.dt);
     space.distribute(space.velocity, false);
     const VelocityVector fixed = fixed_forces(space, step);
 
