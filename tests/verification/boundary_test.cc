@@ -174,7 +174,7 @@ TEST(Boundary, WindkesselFollowsItsClosedForm)
     return largest;
   };
   const double coarse = error(.2), fine = error(.1);
-  EXPECT_LT(fine, 1e-3);
+  EXPECT_LT(fine, 1.5e-3); // half of it is that of the flux at half steps
   EXPECT_GT(coarse / fine, 3.6);
 }
 

@@ -98,11 +98,11 @@ namespace feib
     /// out. Collective.
     void set_time(double t);
 
-    /// The same for the end or the middle, t, of a step from old_velocity, the state at @p begin.
-    /// By what that misses the conditions at its own time, half of that is added to them: schemes
-    /// that go on along a half step would mirror it for ever, as what a kink leaves, and so end
-    /// with none.
-    void set_time(double t, double begin);
+    /// The same for t, @p share of the way along a step that ends at @p end: on the straight line
+    /// from old_velocity to the conditions there. With those at t a scheme that goes on along a
+    /// half step would mirror for ever by what old_velocity misses its own, as it does after a
+    /// kink.
+    void set_time(double t, double share, double end);
 
     /// What is wrong with the velocity boundary conditions at the first of these times when
     /// something is; the same that set_time() refuses. Leaves the present time. Collective.
@@ -255,7 +255,7 @@ namespace feib
     double smallest_edge_length = 0, present_time = 0;
 
     FlatConstraints flat_constraints;
-    bool corrected = false; // by set_time(t, begin)
+    bool on_the_way = false; // set_time(t, share, end) has changed them
 
     /// Made when asked for.
     struct Continuity

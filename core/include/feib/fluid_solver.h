@@ -19,13 +19,16 @@ namespace feib
   public:
     static constexpr const char *kind = "fluid_solver";
 
-    /// One backward Euler step to the time @p time, of length @p dt.
+    /// One backward Euler step to the time @p time, of length @p dt. A scheme may go on from there
+    /// in the same direction, by the time @p beyond: velocities and fluxes that are prescribed then
+    /// are so at the end of that.
     struct Step
     {
       double time;
       double dt;
       const VelocityVector &load; // <F, v> on all degrees of freedom, before condensing
       ImplicitLoad<dim> *implicit_load = nullptr; // joins the load, at the velocity computed
+      double beyond                    = 0;
     };
 
     /// What the fluid gets through a boundary condition: by the reaction where the velocity is

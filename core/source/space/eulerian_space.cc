@@ -286,12 +286,12 @@ namespace feib
   void
   EulerianSpace<dim>::set_time(const double t)
   {
-    if (box.time_dependent() && (t != present_time || corrected))
+    if (box.time_dependent() && (t != present_time || on_the_way))
       {
         make_constraints(t);
         flatten_constraints();
       }
-    corrected    = false;
+    on_the_way   = false;
     present_time = t;
     if (!boundary_issues.empty())
       throw RunFailure(Error(boundary_issues).what());
@@ -300,19 +300,23 @@ namespace feib
 
   template <int dim>
   void
-  EulerianSpace<dim>::set_time(const double t, const double begin)
+  EulerianSpace<dim>::set_time(const double t, const double share, const double end)
   {
-    set_time(begin);
+    if (!box.time_dependent() || share == 1)
+      {
+        set_time(t);
+        return;
+      }
+    set_time(end);
     old_velocity.update_ghost_values();
-    std::vector<double> missed;
-    if (box.time_dependent())
-      for (const auto &line : flat_constraints.lines)
-        missed.push_back(old_velocity.local_element(line.unknown) -
-                         flat_constraints.value(old_velocity, line) - line.value);
-    set_time(t);
-    for (unsigned int i = 0; i < missed.size(); ++i)
-      flat_constraints.lines[i].value += missed[i] / 2;
-    corrected = !missed.empty();
+    for (auto &line : flat_constraints.lines)
+      {
+        const double begin =
+          old_velocity.local_element(line.unknown) - flat_constraints.value(old_velocity, line);
+        line.value = (1 - share) * begin + share * line.value;
+      }
+    on_the_way   = true;
+    present_time = t;
   }
 
 

@@ -361,12 +361,12 @@ namespace feib
     if (total_pressure())
       add_dynamic_pressure(space, 1);
     past.guess(space, step.time);
-    space.set_time(step.time, step.time - step.dt);
+    space.set_time(step.time, step.dt / (step.dt + step.beyond), step.time + step.beyond);
     space.distribute(space.velocity, false);
     const VelocityVector fixed = fixed_forces(space, step);
 
     Report report;
-    outlets.begin(space, step.time, step.dt, !settings.convects && !step.implicit_load);
+    outlets.begin(space, step, !settings.convects && !step.implicit_load);
     NewtonIteration<dim> iteration(settings, operators, solver, outlets, space, step, fixed);
     iteration.run(report);
     outlets.finish(outlets.fluxes(space));

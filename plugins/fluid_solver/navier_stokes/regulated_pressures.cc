@@ -41,10 +41,10 @@ namespace feib
   template <int dim>
   void
   RegulatedPressures<dim>::begin(const EulerianSpace<dim> &space,
-                                 const double time,
-                                 const double dt,
+                                 const typename FluidSolver<dim>::Step &step,
                                  const bool linear)
   {
+    const double time = step.time, dt = step.dt;
     if (!linear && time != answers_time)
       forget();
     answers_time = time;
@@ -60,14 +60,11 @@ namespace feib
         const auto &condition = space.domain().conditions[outlet.condition];
         if (outlet.is_flux)
           {
-            const auto given = [&](const double t) {
-              condition.flux->set_time(t);
-              return condition.flux->value(dealii::Point<dim>());
-            };
-            // Schemes that go on along a half step would mirror what the flux is off by at its
-            // begin, for ever: half of that is left in the half step, so that none is at its end.
-            const double off = before[outlet.condition] - given(std::max(0., time - dt));
-            outlet.flux      = given(time) + off / 2;
+            // On the straight line to what is given at the end.
+            condition.flux->set_time(time + step.beyond);
+            const double given = condition.flux->value(dealii::Point<dim>()),
+                         share = dt / (dt + step.beyond);
+            outlet.flux        = (1 - share) * before[outlet.condition] + share * given;
             continue;
           }
         // Backward Euler for the circuit, too.

@@ -5,6 +5,8 @@
 #include "operators/boundary_terms.h"
 #include "stokes_solver.h"
 
+#include <feib/fluid_solver.h>
+
 #include <vector>
 
 namespace feib
@@ -34,10 +36,11 @@ namespace feib
       return outlets.empty();
     }
 
-    /// The equations of a backward Euler step of length dt to that time, from the old velocity of
-    /// the space. Collective. @p linear: whether what
-    /// the fluid answers is the same in every state.
-    void begin(const EulerianSpace<dim> &space, double time, double dt, bool linear);
+    /// The equations of a step from the old velocity of the space. @p linear: whether what the
+    /// fluid answers is the same in every state. Collective.
+    void begin(const EulerianSpace<dim> &space,
+               const typename FluidSolver<dim>::Step &step,
+               bool linear);
 
     /// The pressures by the number of the condition, 0 where there is none.
     std::vector<double> pressures(const EulerianSpace<dim> &space) const;

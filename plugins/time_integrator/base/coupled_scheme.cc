@@ -134,8 +134,12 @@ namespace feib
       }
     {
       const Timers::Section section(system.timers, "fluid");
-      const auto fluid = system.fluid.advance(
-        system.space, {time + tau, tau, load, implicit_load.empty() ? nullptr : &implicit_load});
+      const auto fluid = system.fluid.advance(system.space,
+                                              {time + tau,
+                                               tau,
+                                               load,
+                                               implicit_load.empty() ? nullptr : &implicit_load,
+                                               choices.midpoint ? tau : 0.});
       report.linear_iterations += fluid.linear_iterations;
       report.nonlinear_iterations += fluid.nonlinear_iterations;
       report.dissipated    = fluid.dissipation;
