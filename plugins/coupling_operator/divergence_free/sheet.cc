@@ -108,15 +108,19 @@ namespace feib
       std::sort(nodes.begin(), nodes.end());
       return nodes;
     };
+    bool continues = false;
+    for (unsigned int i = 0; i < images.size() && mesh.structure_dim() == dim; ++i)
+      continues = continues || images[i] != i;
     std::map<Facet, unsigned int> n_faces;
-    for (const auto &facet : mesh.surface())
-      ++n_faces[sorted(facet)];
+    if (continues)
+      for (const auto &facet : mesh.surface())
+        ++n_faces[sorted(facet)];
 
     std::vector<Sheet<dim>> result;
     std::vector<bool> outer(mesh.n_nodes(), false);
     for (const auto &facet : mesh.surface())
       {
-        if (mesh.structure_dim() == dim && n_faces[sorted(facet)] > 1)
+        if (continues && n_faces[sorted(facet)] > 1)
           continue;
         result.push_back({facet, nodes_of(facet), {}, {}, {}});
         for (unsigned int v = 0; v < dim; ++v)
