@@ -82,7 +82,12 @@ namespace feib
           double distance = 0;
           for (unsigned int k = 0; k < 2 * dim; ++k)
             distance = std::max(distance, std::abs(e->signature[k] - f->signature[k]));
-          if (distance < near)
+          // Two ends at one place are not one end.
+          bool periods = false;
+          for (unsigned int a = 0; a < dim; ++a)
+            periods = periods || 2 * std::abs(X[e->node][a] - X[f->node][a]) >
+                                   domain.upper[a] - domain.lower[a];
+          if (distance < near && periods)
             images[e->node] = images[f->node] = std::min(images[e->node], images[f->node]);
         }
     return images;
