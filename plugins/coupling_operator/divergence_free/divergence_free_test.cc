@@ -419,6 +419,69 @@ check_across(const bool body, const bool refined)
     }
 }
 
+/// Two thick sheets across the box, one on the other: the ends of each are one, the two are not.
+TEST(DivergenceFree, SheetsThatTouchStayTwo)
+{
+  Setting<2> setting(Shape::ragged, true, false, "[\"x\"]");
+  const LagrangianMesh<2> one = feib::testing::make_simplex_mesh<2>(2, 4);
+  const unsigned int n        = one.n_nodes();
+  std::vector<dealii::Point<2>> nodes;
+  std::vector<LagrangianMesh<2>::Simplex> simplices;
+  for (unsigned int part = 0; part < 2; ++part)
+    {
+      const dealii::Tensor<1, 2> shift({0, double(part)});
+      for (const auto &node : one.nodes())
+        nodes.push_back(node + shift);
+      for (const auto &element : one.elements())
+        {
+          simplices.emplace_back();
+          for (unsigned int v = 0; v < 3; ++v)
+            {
+              simplices.back().nodes[v]   = element.nodes[v] + part * n;
+              simplices.back().corners[v] = nodes[element.nodes[v] + part * n];
+            }
+        }
+    }
+  setting.mesh = LagrangianMesh<2>(2, nodes, simplices);
+  setting.X    = Positions<2>(setting.mesh);
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    setting.X[i] = {.3 + nodes[i][0],
+                    .3 + .15 * nodes[i][1] + .1 * std::sin(2 * dealii::numbers::PI * nodes[i][0])};
+  const auto coupling = make_coupling("divergence_free", setting);
+
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  VelocityVector v = setting.space->make_velocity();
+  for (unsigned int i = 0; i < v.locally_owned_size(); ++i)
+    v.local_element(i) = uniform(random);
+  setting.space->distribute(v, true);
+  NodalField<2> f(setting.mesh), U, by_entries(setting.mesh);
+  for (auto &force : f)
+    force = {uniform(random), uniform(random)};
+  coupling->interpolate(*setting.space, v, U);
+  VelocityVector load = setting.space->make_velocity();
+  coupling->spread(*setting.space, f, load);
+  EXPECT_NEAR(load * v, f * U, 1e-12);
+  for (const MatrixEntry &entry : coupling->entries(*setting.space))
+    by_entries[entry.row / 2][entry.row % 2] +=
+      entry.value * v.local_element(v.get_partitioner()->global_to_local(entry.column));
+  by_entries.compress(MPI_COMM_WORLD);
+  by_entries.update_ghosts();
+  for (unsigned int i = 0; i < U.size(); ++i)
+    EXPECT_LT((by_entries[i] - U[i]).norm(), 1e-12) << i;
+  double apart = 0;
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int j = 0; j < n; ++j)
+      {
+        if (std::abs(nodes[i][0] - nodes[j][0]) == 1 && nodes[i][1] == nodes[j][1])
+          for (const unsigned int part : {0u, n})
+            EXPECT_EQ((U[i + part] - U[j + part]).norm(), 0) << i << ' ' << j << ' ' << part;
+        if (nodes[i].distance(nodes[j + n]) == 0)
+          apart = std::max(apart, (U[i] - U[j + n]).norm());
+      }
+  EXPECT_GT(apart, 1e-3);
+}
+
 TEST(DivergenceFree, ASheetAcrossAPeriodicBoxIsWhole)
 {
   for (const bool body : {false, true})

@@ -75,6 +75,16 @@ namespace feib
             ends.push_back(end);
           }
     std::sort(ends.begin(), ends.end(), [](const End &a, const End &b) { return a.key < b.key; });
+    const std::vector<unsigned int> parts = mesh.parts();
+    std::vector<unsigned int> part_of(mesh.n_nodes(), 0);
+    for (unsigned int e = 0; e < parts.size(); ++e)
+      for (unsigned int v = 0; v <= mesh.structure_dim(); ++v)
+        part_of[mesh.elements()[e].nodes[v]] = parts[e];
+    const auto first = [&](unsigned int i) {
+      while (images[i] != i)
+        i = images[i];
+      return i;
+    };
     for (auto e = ends.begin(); e != ends.end(); ++e)
       for (auto f = e; f != ends.begin() && e->key - std::prev(f)->key < 2 * dim * near;)
         {
@@ -82,14 +92,19 @@ namespace feib
           double distance = 0;
           for (unsigned int k = 0; k < 2 * dim; ++k)
             distance = std::max(distance, std::abs(e->signature[k] - f->signature[k]));
-          // Two ends at one place are not one end.
+          // Two ends at one place, or of different parts, are not one end.
           bool periods = false;
           for (unsigned int a = 0; a < dim; ++a)
             periods = periods || 2 * std::abs(X[e->node][a] - X[f->node][a]) >
                                    domain.upper[a] - domain.lower[a];
-          if (distance < near && periods)
-            images[e->node] = images[f->node] = std::min(images[e->node], images[f->node]);
+          if (distance < near && periods && part_of[e->node] == part_of[f->node])
+            {
+              const unsigned int i = first(e->node), j = first(f->node);
+              images[std::max(i, j)] = std::min(i, j);
+            }
         }
+    for (unsigned int &image : images)
+      image = first(image);
     return images;
   }
 
