@@ -79,7 +79,8 @@ namespace feib
     const dealii::DoFHandler<dim> &pressure_handler() const;
     const dealii::MappingCartesian<dim> &mapping() const;
 
-    /// Hanging nodes, periodicity and velocity boundary conditions at the time of set_time().
+    /// Hanging nodes, periodicity and velocity boundary conditions at the time of set_time(); after
+    /// that of three arguments the values of distribute() are on the way, these are of its end.
     const dealii::AffineConstraints<double> &constraints() const;
 
     /// Counts the changes of mesh and spaces; what depends on them compares it.
