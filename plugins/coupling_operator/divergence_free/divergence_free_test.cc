@@ -452,14 +452,15 @@ TEST(DivergenceFree, SheetsThatTouchAreJoinedOneByOne)
 
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  VelocityVector v = setting.space->make_velocity();
-  for (unsigned int i = 0; i < v.locally_owned_size(); ++i)
-    v.local_element(i) = uniform(random);
-  setting.space->distribute(v, true);
+  // The same forces on all ranks.
   NodalField<2> f(setting.mesh), U, by_entries(setting.mesh);
   for (auto &force : f)
     for (unsigned int a = 0; a < 2; ++a)
       force[a] = uniform(random);
+  VelocityVector v = setting.space->make_velocity();
+  for (unsigned int i = 0; i < v.locally_owned_size(); ++i)
+    v.local_element(i) = uniform(random);
+  setting.space->distribute(v, true);
   coupling->interpolate(*setting.space, v, U);
   VelocityVector load = setting.space->make_velocity();
   coupling->spread(*setting.space, f, load);
