@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "check_plugin.h"
 #include "command_line.h"
+#include "output_folder.h"
 
 #include <feib/log.h>
 #include <feib/message.h>
@@ -24,6 +25,7 @@
 #include <iomanip>
 #include <iostream>
 #include <map>
+#include <random>
 #include <sstream>
 
 namespace
@@ -128,6 +130,23 @@ namespace
   }
 
 
+  /// Started without mpirun, Open MPI would start a daemon first, for processes that never come.
+  /// Without one, all programs share a folder for their temporary files, which whichever ends first
+  /// removes, and the others can open no file: each gets its own, which Open MPI removes as well.
+  void
+  stand_alone()
+  {
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    std::error_code none;
+    std::random_device random;
+    std::ostringstream name;
+    name << "feib-host." << getpid() << '.' << std::hex << random() << random();
+    setenv("OMPI_MCA_orte_top_session_dir",
+           (std::filesystem::temp_directory_path(none) / name.str()).c_str(),
+           0);
+  }
+
+
   /// What rank 0 finds, known to all.
   std::string
   on_rank_0(const std::function<std::string()> &find)
@@ -159,22 +178,6 @@ namespace
   }
 
 
-  /// What forbids to write into a folder, or "".
-  std::string
-  refusal(const std::string &directory, const bool overwrite)
-  {
-    std::error_code problem;
-    if (!std::filesystem::exists(directory, problem))
-      return "";
-    if (!std::filesystem::is_directory(directory, problem))
-      return "the output folder " + directory + " is a file";
-    if (!overwrite && !std::filesystem::is_empty(directory, problem))
-      return "the output folder " + directory +
-             " is not empty; choose another with --output, or allow this one with --overwrite";
-    return "";
-  }
-
-
   /// Refuses to put a run in the place of the one it begins with.
   void
   check_beginning(const Parameters &parameters, const std::string &directory)
@@ -191,30 +194,6 @@ namespace
       block.fail("run",
                  "is the output folder: this run would replace the one it begins with; choose "
                  "another with --output");
-  }
-
-
-  /// Makes the folder and puts the exact run there. @p goes_on: with the run whose files are there.
-  void
-  prepare(const std::string &directory, const std::string &resolved, const bool goes_on)
-  {
-    const std::string problem = on_rank_0([&]() -> std::string {
-      std::error_code error;
-      std::filesystem::create_directories(directory, error);
-      if (error)
-        return "cannot make the folder " + directory + ": " + error.message();
-      // The summary of an earlier run would speak for this one until its end.
-      std::filesystem::remove(std::filesystem::path(directory) / "summary.json", error);
-      // So would its checkpoints.
-      if (!goes_on)
-        std::filesystem::remove_all(std::filesystem::path(directory) / "checkpoints", error);
-      std::ofstream file(std::filesystem::path(directory) / "resolved.json");
-      file << resolved << '\n' << std::flush;
-      return file ? "" : "cannot write into " + directory;
-    });
-    if (!problem.empty())
-      throw RunFailure(problem);
-    log::open_file((std::filesystem::path(directory) / "log.txt").string(), goes_on);
   }
 
 
@@ -341,8 +320,13 @@ namespace
       const std::map<std::string, std::string> &versions,
       const std::string &checkpoint)
   {
-    running = 1;
-    prepare(command.output, description.resolved(), !checkpoint.empty());
+    running                   = 1;
+    const std::string problem = on_rank_0([&] {
+      return output_folder::prepare(command.output, description.resolved(), !checkpoint.empty());
+    });
+    if (!problem.empty())
+      throw RunFailure(problem);
+    log::open_file(command.output + "/log.txt", !checkpoint.empty());
     log::info("Feib " + version() + ", " +
               (checkpoint.empty() ? command.case_file : "from " + checkpoint) + ", results in " +
               command.output);
@@ -457,9 +441,12 @@ namespace
     if (!command.new_plugin.kind.empty())
       return write_new_plugin(command.new_plugin, registry);
 
-    if (!command.validate && command.restart.empty())
-      if (const std::string problem =
-            on_rank_0([&] { return refusal(command.output, command.overwrite); });
+    if (!command.validate)
+      if (const std::string problem = on_rank_0([&] {
+            return command.restart.empty()
+                     ? output_folder::refusal(command.output, command.overwrite)
+                     : output_folder::claim(command.output);
+          });
           !problem.empty())
         throw Error(problem);
 
@@ -499,8 +486,8 @@ int
 main(int argc, char **argv)
 {
   handle_signals();
-  // Started without mpirun, Open MPI would start a daemon first, for processes that never come.
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  if (getenv("PMIX_RANK") == nullptr && getenv("PMI_RANK") == nullptr)
+    stand_alone();
   // The libraries underneath have options of their own with the same names: they get to see none.
   int only_the_name = 1;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);

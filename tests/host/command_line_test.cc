@@ -226,6 +226,43 @@ TEST_F(CommandLine, ASignalToOneOfTwoRanksEndsTheRunInOrder)
   EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "stopped");
 }
 
+TEST_F(CommandLine, RunsBesideEachOther)
+{
+  // Open MPI's folder for temporary files goes with the program that ends, of which none may be
+  // another's.
+  const RunResult result = run_command(
+    host_command() +
+      " case.json --output out --set /time/step=1e-4 --set /time/end=1e4 --set /output=[] "
+      "--set /checkpoint='{\"interval\": 1}' & pid=$!; "
+      "until [ -e out/checkpoints ]; do kill -0 $pid || exit 99; done; for i in 1 2 3; do " +
+      shell_quoted(FEIB_HOST) + " --validate case.json; done; kill -TERM $pid; wait $pid",
+    folder.path.string());
+  EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "stopped") << result.output;
+  EXPECT_FALSE(holds(result.output, "mca_")) << result.output;
+}
+
+TEST_F(CommandLine, OneRunOwnsAFolder)
+{
+  const std::string busy = "error: another feib-host is writing into out; wait for its end, stop "
+                           "it, or choose another folder\n";
+  const RunResult result = run_command(
+    host_command() +
+      " case.json --output out --set /time/step=1e-4 --set /time/end=1e4 --set /output=[] "
+      "--set /checkpoint='{\"interval\": 1}' & pid=$!; "
+      "until ls out/checkpoints/*/* >/dev/null 2>&1; do kill -0 $pid || exit 99; done; " +
+      shell_quoted(FEIB_HOST) + " case.json --output out --overwrite; echo \"exit code $?\"; " +
+      shell_quoted(FEIB_HOST) + " --restart out; echo \"exit code $?\"; " +
+      "kill -TERM $pid; wait $pid; " + shell_quoted(FEIB_HOST) +
+      " case.json --output out --overwrite",
+    folder.path.string());
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const std::string refused = busy + "exit code 2\n";
+  const auto first          = result.output.find(refused);
+  ASSERT_NE(first, std::string::npos) << result.output;
+  EXPECT_NE(result.output.find(refused, first + 1), std::string::npos) << result.output;
+  EXPECT_EQ(read_file(folder / "out/log.txt").find("another feib-host"), std::string::npos);
+}
+
 TEST_F(CommandLine, ALogThatCannotBeWrittenIsSaid)
 {
   std::filesystem::create_directory(folder / "out");
