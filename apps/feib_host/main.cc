@@ -2,6 +2,7 @@
 #include "check_plugin.h"
 #include "command_line.h"
 #include "output_folder.h"
+#include "provenance.h"
 
 #include <feib/log.h>
 #include <feib/message.h>
@@ -237,23 +238,6 @@ namespace
   }
 
 
-  /// Of Feib and of the plugins that what a case computes depends on.
-  std::map<std::string, std::string>
-  versions(const PluginLoader &loader, const Case &description)
-  {
-    std::map<std::string, std::string> result = {{"Feib", version()}};
-    const std::string text                    = description.resolved();
-    for (const PluginLoader::Result &plugin : loader.results())
-      if (plugin.accepted)
-        for (const std::string &component : plugin.components)
-          if (component.rfind("output_writer/", 0) != 0 &&
-              text.find("\"" + component.substr(component.find('/') + 1) + "\":") !=
-                std::string::npos)
-            result["the plugin " + plugin.plugin] = plugin.version;
-    return result;
-  }
-
-
   /// The summary of a run that ended before it could write one, by what perhaps only this rank has
   /// met.
   void
@@ -463,7 +447,7 @@ namespace
       {
         description =
           std::make_unique<Case>(text, name, registry, command.settings, checkpoint.case_directory);
-        used = versions(loader, *description);
+        used = provenance(loader, *description);
         if (goes_on)
           checkpoint.check(*description, used);
         if (!goes_on && !command.validate)

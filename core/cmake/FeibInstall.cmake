@@ -43,5 +43,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # In the folder of the package; libfeib is its own.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 # What plugins are built with.
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "cmake (>= 3.25), g++, ninja-build, libdeal.ii-dev, libgtest-dev")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "cmake (>= 3.25), g++, make, libdeal.ii-dev, libgtest-dev")
 include(CPack)

@@ -128,6 +128,26 @@ TEST_F(MeshFile, NumbersAreThoseOfTheFile)
   EXPECT_TRUE(contains(message, "as element 8 at the reference place (")) << message;
 }
 
+// However fine the fluid's cells are: 2 triangles whose longest edge is 0.707.
+TEST_F(MeshFile, ElementsAreSplitToARatioOfTheCells)
+{
+  const auto elements = [&](const std::string &more) {
+    const RunResult result = run_host(
+      "case.json --validate --set '/structures/0/hyperelastic/mesh={\"refined\": {\"mesh\": "
+      "{\"gmsh\": {\"file\": \"body.msh\", \"merge\": true}}, \"longest_edge\": 0.75, "
+      "\"unit\": \"cells\"}}'" +
+        more,
+      1,
+      folder.path.string());
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    const std::string words = " nodes, ";
+    return std::stoi(result.output.substr(result.output.find(words) + words.size()));
+  };
+  EXPECT_EQ(elements(""), 2 * 4); // 0.75 of 1/2
+  EXPECT_EQ(elements(" --set '/refinement={\"immersed_cells\": {\"level\": 1}}'"), 2 * 16);
+  EXPECT_EQ(elements(" --set /domain/cells=[2,16]"), 2 * 256); // the shortest edge
+}
+
 TEST_F(MeshFile, NodesAtOnePlaceAreAWarningUntilMerged)
 {
   const std::string sentence =

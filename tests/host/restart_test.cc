@@ -547,6 +547,31 @@ namespace
   }
 
 
+  TEST(Restart, AFileThatWasChangedIsRefused)
+  {
+    const TemporaryFolder folder;
+    json document = disc_case();
+    folder.write("speed.csv", "0 0\n1 1\n");
+    document["series"]["speed"]["file"] = "speed.csv";
+    const std::string run               = run_in_pieces(folder, document, {.1}, {1});
+    const auto goes_on = [&] { return run_host("--restart " + run + " --set /time/end=0.15"); };
+    folder.write("speed.csv", "0 0\n1 2\n");
+    RunResult result = goes_on();
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    EXPECT_NE(result.output.find("was written with the file speed.csv of checksum "),
+              std::string::npos)
+      << result.output;
+    std::filesystem::remove(folder / "speed.csv");
+    result = goes_on();
+    EXPECT_EQ(result.exit_code, 2) << result.output;
+    EXPECT_NE(result.output.find("speed.csv\": there is no such file"), std::string::npos)
+      << result.output;
+    folder.write("speed.csv", "0 0\n1 1\n");
+    result = goes_on();
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+  }
+
+
   TEST(Restart, SignalsLeaveACheckpoint)
   {
     const TemporaryFolder folder;

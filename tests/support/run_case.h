@@ -4,6 +4,8 @@
 
 #include "support/run_host.h"
 
+#include <gtest/gtest.h>
+
 #include <map>
 #include <vector>
 
@@ -82,6 +84,25 @@ namespace feib::testing
       if (std::filesystem::exists(folder / name))
         *table = read_table(folder / name);
     return result;
+  }
+
+
+  /// Runs the case of a text, which must come to its end.
+  inline CaseRun
+  run_text(const std::string &text, const std::string &settings = "", const unsigned int ranks = 1)
+  {
+    const TemporaryFolder folder;
+    const CaseRun result = run_case(folder.write("case.json", text), settings, ranks);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return result;
+  }
+
+
+  /// The time scheme of that name in place of the case's.
+  inline std::string
+  scheme_setting(const std::string &scheme)
+  {
+    return "--set " + shell_quoted("/time/integrator={\"" + scheme + "\":{}}");
   }
 } // namespace feib::testing
 

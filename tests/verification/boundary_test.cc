@@ -10,15 +10,6 @@ using namespace feib::testing;
 
 namespace
 {
-  CaseRun
-  run(const std::string &text, const std::string &settings = "", const unsigned int ranks = 1)
-  {
-    const TemporaryFolder folder;
-    const CaseRun result = run_case(folder.write("case.json", text), settings, ranks);
-    EXPECT_EQ(result.exit_code, 0) << result.output;
-    return result;
-  }
-
   std::string
   set(const std::string &pointer, const std::string &value)
   {
@@ -70,9 +61,9 @@ TEST(Boundary, PoiseuilleFlowIsExact)
     for (const unsigned int ranks : {1, 2})
       {
         SCOPED_TRACE(example.in + " " + example.form);
-        const CaseRun result = run(channel(example.in, example.out, exact),
-                                   set(viscous_form, '"' + example.form + '"'),
-                                   ranks);
+        const CaseRun result = run_text(channel(example.in, example.out, exact),
+                                        set(viscous_form, '"' + example.form + '"'),
+                                        ranks);
         EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
         EXPECT_LT(result.summary["errors"]["velocity_l2"], 1e-9);
         EXPECT_LT(result.summary["errors"]["pressure_l2"], 1e-9);
@@ -100,7 +91,7 @@ TEST(Boundary, PoiseuilleFlowIsExact)
 TEST(Boundary, TotalPressureAtAnInflowIsThatOfFluidAtRest)
 {
   const CaseRun result =
-    run(channel(R"j({ "pressure": { "value": 2 } })j", R"j({ "pressure": { "value": 0 } })j"));
+    run_text(channel(R"j({ "pressure": { "value": 2 } })j", R"j({ "pressure": { "value": 0 } })j"));
   const double flux = last(result, "flux_x_max");
   EXPECT_LT(last(result, "pressure_x_min"), 2 - 2. / 2 * flux * flux);
   EXPECT_GT(last(result, "pressure_x_min"), 2 - 3 * 2. / 2 * flux * flux);
@@ -124,17 +115,18 @@ TEST(Boundary, PulsatingFlowIsWomersleys)
   const std::string u =
     "A/w*((1-(" + c + "*C+" + s + "*S)/D)*sin(w*t)-(" + s + "*C-" + c + "*S)/D*cos(w*t))";
   const auto error = [&](const double dt) {
-    const CaseRun result = run(R"j({ "dimension": 2, "constants": )j" + constants.str() +
-                                 R"j(, "domain": { "upper": [2, 1], "cells": [2, 48], "boundary": {
+    const CaseRun result =
+      run_text(R"j({ "dimension": 2, "constants": )j" + constants.str() +
+                 R"j(, "domain": { "upper": [2, 1], "cells": [2, 48], "boundary": {
               "x_min": { "pressure": { "value": "2*A*cos(w*t)", "inflow": "static" } },
               "x_max": { "pressure": { "value": 0, "inflow": "static" } } } },
             "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.05, "tolerance": 1e-9,
               "initial_velocity": [")j" +
-                                 u + R"j(", 0] } },
+                 u + R"j(", 0] } },
             "time": { "step": 1, "end": 1.25 }, "output": [ { "ledger_csv": {} } ],
             "exact": { "velocity": [")j" +
-                                 u + R"j(", 0], "pressure": "(2-x)*A*cos(w*t)" } })j",
-                               set("time/step", std::to_string(dt)));
+                 u + R"j(", 0], "pressure": "(2-x)*A*cos(w*t)" } })j",
+               set("time/step", std::to_string(dt)));
     EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
     return double(result.summary["errors"]["velocity_l2"]);
   };
@@ -150,11 +142,11 @@ TEST(Boundary, WindkesselFollowsItsClosedForm)
 {
   const auto error = [](const double dt) {
     const CaseRun result =
-      run(channel(R"j({ "flux": { "value": "-(1+0.5*sin(t))" } })j",
-                  R"j({ "windkessel": { "resistance": 0.5, "distal_resistance": 2,
+      run_text(channel(R"j({ "flux": { "value": "-(1+0.5*sin(t))" } })j",
+                       R"j({ "windkessel": { "resistance": 0.5, "distal_resistance": 2,
                                         "capacitance": 1, "distal_pressure": 0.25 } })j"),
-          set("time/integrator", R"({"midpoint":{}})") + set("time/step", std::to_string(dt)) +
-            set("time/end", "4"));
+               set("time/integrator", R"({"midpoint":{}})") + set("time/step", std::to_string(dt)) +
+                 set("time/end", "4"));
     EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
     double largest = 0;
     for (unsigned int i = 1; i < result.ledger.at("time").size(); ++i)
@@ -235,7 +227,7 @@ TEST_F(ManufacturedTraction, RatesInSpace)
       std::array<nlohmann::json, 2> errors;
       for (unsigned int k = 0; k < 2; ++k)
         {
-          const CaseRun result = run(example(dim, (dim == 2 ? 8 : 4) << k, "steady", 20.));
+          const CaseRun result = run_text(example(dim, (dim == 2 ? 8 : 4) << k, "steady", 20.));
           EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
           errors[k] = result.summary["errors"];
         }
@@ -250,7 +242,7 @@ TEST_F(ManufacturedTraction, SecondOrderInTime)
 {
   std::array<double, 3> errors;
   for (unsigned int k = 0; k < 3; ++k)
-    errors[k] = run(example(2, 16, "moving", .1 / (1 << k))).summary["errors"]["velocity_l2"];
+    errors[k] = run_text(example(2, 16, "moving", .1 / (1 << k))).summary["errors"]["velocity_l2"];
   EXPECT_GT(errors[0] / errors[1], 3.5);
   EXPECT_GT(errors[1] / errors[2], 3.5);
 }
@@ -276,7 +268,7 @@ TEST(Boundary, PartsOfFacesAndTheBalanceOfMomentum)
     "output": [ { "ledger_csv": {} } ] })j";
   for (const unsigned int ranks : {1, 2})
     {
-      const CaseRun result = run(box, "", ranks);
+      const CaseRun result = run_text(box, "", ranks);
       EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
       EXPECT_GT(last(result, "flux_x_min_1"), .1);
       EXPECT_NEAR(last(result, "flux_x_min_1"), -last(result, "flux_inlet"), 1e-8);
@@ -304,7 +296,7 @@ TEST(Boundary, PartsOfFacesAndTheBalanceOfMomentum)
 TEST(Boundary, AClosedValveIsTight)
 {
   const auto leak = [](const std::string &coupling) {
-    const CaseRun result = run(
+    const CaseRun result = run_text(
       R"j({ "dimension": 2, "domain": { "upper": [2, 1], "cells": [32, 16], "boundary": {
             "x_min": { "pressure": { "value": "50*(1+sin(4*pi*t))*ramp(t/0.3)" } },
             "x_max": { "pressure": { "value": 0 } } } },
@@ -344,7 +336,7 @@ TEST(Boundary, AnInflowThatGrowsWithoutBoundIsNamed)
   EXPECT_NE(std::string(grows.summary["message"]).find("nothing bounds such an inflow"),
             std::string::npos)
     << grows.summary["message"];
-  const CaseRun bounded = run(inlet("total"));
+  const CaseRun bounded = run_text(inlet("total"));
   // Bernoulli at the inlet and Borda-Carnot behind it, 3/8 of the height: u^2/2 - u^2 a (1 - a)
   // = 1.
   const double a = 3. / 8, u = 1 / std::sqrt(.5 - a * (1 - a));

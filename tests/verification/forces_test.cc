@@ -17,21 +17,6 @@ namespace
                                             "midpoint",
                                             "lagged_midpoint"};
 
-  CaseRun
-  run(const std::string &text, const std::string &settings = "")
-  {
-    const TemporaryFolder folder;
-    const CaseRun result = run_case(folder.write("case.json", text), settings);
-    EXPECT_EQ(result.exit_code, 0) << result.output;
-    return result;
-  }
-
-  std::string
-  scheme_setting(const std::string &scheme)
-  {
-    return "--set " + shell_quoted("/time/integrator={\"" + scheme + "\":{}}");
-  }
-
   /// A heavy disc in a box.
   std::string
   disc(const std::string &forces, const std::string &more = "")
@@ -75,7 +60,7 @@ TEST(Forces, EnergiesCloseUnderEveryScheme)
     for (const std::string &scheme : schemes)
       {
         SCOPED_TRACE(scheme + ", " + example.forces);
-        const CaseRun result = run(disc(example.forces, example.more), scheme_setting(scheme));
+        const CaseRun result = run_text(disc(example.forces, example.more), scheme_setting(scheme));
         double scale         = 0;
         for (const char *column : {"kinetic", "dissipated", "inelastic", "potential"})
           scale = std::max(scale, std::abs(result.ledger.at(column).back()));
@@ -96,7 +81,7 @@ TEST(Forces, WeightIsTheMomentumOfAPeriodicBox)
        std::map<std::string, double>{{"1", 1.}, {"0", 0.}, {"-0.5", -1.}})
     {
       SCOPED_TRACE(density);
-      const CaseRun result = run(disc(gravity, ", \"excess_density\": " + density));
+      const CaseRun result = run_text(disc(gravity, ", \"excess_density\": " + density));
       const double t       = result.ledger.at("time").back();
       const double measure = result.ledger.at("measure_body")[0];
       const double mass    = std::stod(density) * measure;
@@ -140,10 +125,10 @@ TEST(Forces, StiffSpringsHoldABodyInAStream)
       for (const double stiffness : {1e4, 4e4, 1.6e5, 2e6})
         {
           const std::string tether = "/structures/0/hyperelastic/forces/0/tether/";
-          const CaseRun result     = run(stream,
-                                     scheme_setting(scheme) + " --set " + tether +
-                                       "stiffness=" + std::to_string(stiffness) + " --set " +
-                                       tether + "damping=" + std::to_string(.01 * stiffness));
+          const CaseRun result     = run_text(stream,
+                                          scheme_setting(scheme) + " --set " + tether +
+                                            "stiffness=" + std::to_string(stiffness) + " --set " +
+                                            tether + "damping=" + std::to_string(.01 * stiffness));
           EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
           drag.push_back(-result.ledger.at("force_x_body_tether").back());
           displacement.push_back(result.ledger.at("centroid_x_body").back() - .4);
@@ -172,14 +157,15 @@ TEST(Forces, ForecastOfTheStepKnowsSprings)
         " --set /time/energy_growth=100 --set " +
         shell_quoted(R"j(/fluid/navier_stokes/initial_velocity=["0.1*sin(2*pi*y)", 0])j");
       const std::string springs = disc(R"([{"tether": {"stiffness": 1e4}}])");
-      const double limit = run(springs, settings + " --set /time/step=1e-4 --set /time/end=1e-4")
-                             .summary["stability_limit"];
+      const double limit =
+        run_text(springs, settings + " --set /time/step=1e-4 --set /time/end=1e-4")
+          .summary["stability_limit"];
       EXPECT_LT(limit, .02);
       const auto largest_energy = [&](const double part) {
         const std::vector<double> energy =
-          run(springs,
-              settings + " --set /time/step=" + std::to_string(part * limit) +
-                " --set /time/end=" + std::to_string(part * limit * 80))
+          run_text(springs,
+                   settings + " --set /time/step=" + std::to_string(part * limit) +
+                     " --set /time/end=" + std::to_string(part * limit * 80))
             .ledger.at("total_energy");
         return *std::max_element(energy.begin() + 40, energy.end()) / energy[0];
       };
@@ -192,10 +178,47 @@ TEST(Forces, ForecastOfTheStepKnowsSprings)
 TEST(Forces, TargetsMoveABody)
 {
   const CaseRun result =
-    run(disc(R"j([{"tether": {"stiffness": 1e6, "target": ["s1 + 0.1*t", "s2"]}}])j"),
-        "--set " + shell_quoted(R"(/time/integrator={"lagged_be": {}})"));
+    run_text(disc(R"j([{"tether": {"stiffness": 1e6, "target": ["s1 + 0.1*t", "s2"]}}])j"),
+             "--set " + shell_quoted(R"(/time/integrator={"lagged_be": {}})"));
   EXPECT_NEAR(result.ledger.at("centroid_x_body").back(), .51, 2e-5);
   EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+}
+
+
+/// A ring on stiff springs whose targets stop at once swings on in a scheme that damps nothing,
+/// faster than its steps follow, and the run says so; not in one that damps.
+TEST(Forces, SwingsThatStepsDoNotFollowAreSaid)
+{
+  const std::string stopped = R"j({ "dimension": 2, "domain": { "cells": [16, 16] },
+    "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.01 } },
+    "structures": [ { "membrane": { "name": "ring",
+      "mesh": { "closed_curve": { "length": 0.62831853, "elements": 10 } },
+      "initial_position": ["0.4 + 0.1*cos(10*s1)", "0.5 + 0.1*sin(10*s1)"],
+      "law": { "anisotropic_linear": { "stiffness": 1e-3 } },
+      "forces": [ { "tether": { "stiffness": 1e4,
+        "target": ["0.4 + 0.1*cos(10*s1) + 0.3*min(t, 0.203)", "0.5 + 0.1*sin(10*s1)"] } } ] } } ],
+    "time": { "step": 0.01, "end": 0.6 },
+    "output": [ { "ledger_csv": {} } ] })j";
+  for (const std::string scheme : {"lagged_midpoint", "lagged_be"})
+    {
+      SCOPED_TRACE(scheme);
+      const CaseRun result = run_text(stopped, scheme_setting(scheme));
+      const auto &forces   = result.ledger.at("force_x_ring");
+      double largest       = 0; // long after the targets have stopped
+      for (unsigned int n = forces.size() * 3 / 4; n < forces.size(); ++n)
+        largest = std::max(largest, std::abs(forces[n]));
+      if (scheme == "lagged_be")
+        {
+          EXPECT_LT(largest, .05);
+          EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
+        }
+      else
+        {
+          EXPECT_GT(largest, .5);
+          EXPECT_TRUE(result.warned("unresolved_swing")) << result.summary["warnings"];
+          EXPECT_TRUE(holds(result.log, "the force of \"ring")) << result.log;
+        }
+    }
 }
 
 
@@ -221,7 +244,7 @@ TEST(Forces, CantileverOfACurve)
       "coupling": { "variational": {} },
       "time": { "step": 20, "end": 600, "integrator": {"lagged_be": {}} },
       "output": [ { "ledger_csv": {} } ] })j";
-    const CaseRun result = run(text);
+    const CaseRun result = run_text(text);
     // Held at two nodes, it is clamped half way between them: the angle at the second is free.
     const double length = .6 * (1 - .5 / n_elements);
     return (.5 - result.ledger.at("lower_y_beam").back()) /
@@ -240,14 +263,14 @@ TEST(Forces, ThickCantilever)
   std::vector<double> errors;
   for (const unsigned int n : {4, 8})
     {
-      const CaseRun result = run(R"j({ "dimension": 2,
+      const CaseRun result = run_text(R"j({ "dimension": 2,
       "domain": { "cells": [)j" + std::to_string(4 * n) +
-                                 ", " + std::to_string(4 * n) + R"j(], "periodic": ["y"] },
+                                      ", " + std::to_string(4 * n) + R"j(], "periodic": ["y"] },
       "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1, "convection": "none",
                                     "linear_solver": "direct" } },
       "structures": [ { "hyperelastic": { "name": "beam",
         "mesh": { "rectangle": { "lower": [0.15, 0.45], "upper": [0.85, 0.55], "cells": [)j" +
-                                 std::to_string(7 * n) + ", " + std::to_string(n) + R"j(] } },
+                                      std::to_string(7 * n) + ", " + std::to_string(n) + R"j(] } },
         "law": { "neo_hookean": { "shear_modulus": 10 } },
         "deviatoric": true, "volumetric_modulus": 10, "excess_density": 0.1,
         "forces": [
@@ -272,13 +295,14 @@ TEST(Forces, RingWithBendingBecomesTheCircle)
   std::vector<double> errors;
   for (const unsigned int n : {16, 32})
     {
-      const CaseRun result = run(R"j({ "dimension": 2, "constants": { "R": )j" + std::to_string(R) +
-                                 R"j( }, "domain": { "cells": [16, 16] },
+      const CaseRun result =
+        run_text(R"j({ "dimension": 2, "constants": { "R": )j" + std::to_string(R) +
+                 R"j( }, "domain": { "cells": [16, 16] },
       "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1, "convection": "none" } },
       "structures": [ { "membrane": { "name": "ring",
         "mesh": { "closed_curve": { "length": )j" +
-                                 std::to_string(2 * pi * std::stod(std::to_string(R))) +
-                                 R"j(, "elements": )j" + std::to_string(n) + R"j( } },
+                 std::to_string(2 * pi * std::stod(std::to_string(R))) + R"j(, "elements": )j" +
+                 std::to_string(n) + R"j( } },
         "initial_position": ["0.5 + 0.3*cos(s1/R)", "0.5 + 0.2*sin(s1/R)"],
         "law": { "saint_venant_kirchhoff": { "mu": 1 } },
         "forces": [ { "bending": { "rigidity": 0.1 } } ] } } ],
@@ -295,6 +319,41 @@ TEST(Forces, RingWithBendingBecomesTheCircle)
       EXPECT_NEAR(errors.back(), exact, 1e-4 * exact + 1e-6);
     }
   EXPECT_GT(errors[0] / errors[1], 3.9);
+}
+
+
+/// Bending does not know where a curve or a sheet across a periodic box begins.
+TEST(Forces, BendingGoesAcrossAPeriodicBox)
+{
+  const auto wave = [](const unsigned int dim, const std::string &begin) {
+    const std::string shift = "(s1 + " + begin + ")";
+    const std::string y     = "0.5 + 0.05*sin(2*pi*" + shift + ")";
+    return R"({ "dimension": )" + std::to_string(dim) + R"(, "domain": { "cells": )" +
+           (dim == 2 ? R"([8, 8], "periodic": ["x"])" : R"([4, 4, 4], "periodic": ["x", "z"])") +
+           R"( }, "fluid": { "navier_stokes": { "density": 1, "viscosity": 0.1 } },
+      "structures": [ { "membrane": { "name": "sheet", "mesh": )" +
+           (dim == 2 ? R"({ "open_curve": { "length": 1, "elements": 16 } })"
+                     : R"({ "rectangle": { "upper": [1, 0, 1], "cells": [8, 4] } })") +
+           R"(, "initial_position": ["s1", ")" + y + (dim == 2 ? R"("])" : R"(", "s3"])") +
+           R"(, "law": { "neo_hookean": { "shear_modulus": 1e-6 } },
+        "forces": [ { "bending": { "rigidity": 0.01 } } ] } } ],
+      "time": { "step": 0.01, "end": 0.1, "integrator": { "lagged_midpoint": {} } },
+      "output": [ { "ledger_csv": {} } ] })";
+  };
+  for (const unsigned int dim : {2, 3})
+    {
+      SCOPED_TRACE(dim);
+      const CaseRun one = run_text(wave(dim, "0")), other = run_text(wave(dim, "0.25")),
+                    two   = run_text(wave(dim, "0.25"), "", 2);
+      const double energy = one.ledger.at("energy_sheet_bending")[0];
+      EXPECT_GT(energy, 1e-3);
+      EXPECT_NEAR(other.ledger.at("energy_sheet_bending")[0], energy, 1e-12 * energy);
+      for (const char *const column : {"energy_sheet_bending", "kinetic"})
+        for (const CaseRun *const run : {&other, &two})
+          EXPECT_NEAR(run->ledger.at(column).back(), one.ledger.at(column).back(), 1e-8 * energy)
+            << column;
+      EXPECT_LT(one.ledger.at("energy_sheet_bending").back(), .99 * energy);
+    }
 }
 
 
@@ -337,14 +396,14 @@ TEST(Forces, ContactKeepsBodiesApart)
       "time": { "step": 0.01, "end": 0.6 },
       "output": [ { "ledger_csv": {} } ] })j";
   const double dt =
-    run(discs, "--set /time/step=1e-4 --set /time/end=1e-4 " + scheme_setting("fe_be"))
+    run_text(discs, "--set /time/step=1e-4 --set /time/end=1e-4 " + scheme_setting("fe_be"))
       .summary["stability_limit"];
   for (const auto &[scheme, step] :
        std::map<std::string, double>{{"fe_be", dt}, {"lagged_midpoint", 20 * dt}})
     {
       SCOPED_TRACE(scheme + ", " + std::to_string(step));
       const CaseRun result =
-        run(discs, "--set /time/step=" + std::to_string(step) + " " + scheme_setting(scheme));
+        run_text(discs, "--set /time/step=" + std::to_string(step) + " " + scheme_setting(scheme));
       // The limit of the start knows a gap of half of the range; the weight presses it closer.
       for (const auto &warning : result.summary["warnings"])
         EXPECT_TRUE(warning["kind"] == "step_limit" || warning["kind"] == "near_wall") << warning;

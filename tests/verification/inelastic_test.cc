@@ -34,21 +34,6 @@ namespace
       "output": [ { "ledger_csv": {} } ] })j";
   }
 
-  CaseRun
-  run(const std::string &text, const std::string &settings)
-  {
-    const TemporaryFolder folder;
-    const CaseRun result = run_case(folder.write("case.json", text), settings);
-    EXPECT_EQ(result.exit_code, 0) << result.output;
-    return result;
-  }
-
-  std::string
-  scheme_setting(const std::string &scheme)
-  {
-    return "--set " + shell_quoted("/time/integrator={\"" + scheme + "\":{}}");
-  }
-
   /// What is wrong with the energies of a run.
   void
   expect_closed(const CaseRun &run)
@@ -73,7 +58,7 @@ TEST(Inelastic, ViscosityAndDamageDissipateUnderEveryScheme)
     for (const std::string &scheme : schemes)
       {
         SCOPED_TRACE(scheme + ", " + law);
-        const CaseRun result            = run(body(law), scheme_setting(scheme));
+        const CaseRun result            = run_text(body(law), scheme_setting(scheme));
         const std::vector<double> &lost = result.ledger.at("inelastic");
         expect_closed(result);
         for (std::size_t n = 1; n < lost.size(); ++n)
@@ -92,10 +77,10 @@ TEST(Inelastic, ActiveFibresPutEnergyInUnderEveryScheme)
     {
       SCOPED_TRACE(scheme);
       const CaseRun result =
-        run(body(law),
-            scheme_setting(scheme) + " --set " +
-              shell_quoted(R"(/structures/0/hyperelastic/initial_position=["s1","s2"])") +
-              " --set /time/step=0.01 --set /time/end=0.63");
+        run_text(body(law),
+                 scheme_setting(scheme) + " --set " +
+                   shell_quoted(R"(/structures/0/hyperelastic/initial_position=["s1","s2"])") +
+                   " --set /time/step=0.01 --set /time/end=0.63");
       for (const double closure : result.ledger.at("closure"))
         EXPECT_LT(std::abs(closure), 1e-10);
       EXPECT_EQ(result.summary["status"], "completed") << result.summary["warnings"];
@@ -123,7 +108,7 @@ TEST(Inelastic, ShearWaveOfAViscoelasticBody)
   for (const std::string scheme : {"midpoint", "lagged_midpoint"})
     {
       SCOPED_TRACE(scheme);
-      const CaseRun result = run(text, scheme_setting(scheme));
+      const CaseRun result = run_text(text, scheme_setting(scheme));
       const Table &ledger  = result.ledger;
       for (const std::size_t n : {20u, 40u, 70u})
         {

@@ -5,6 +5,7 @@
 #include <feib/archive.h>
 #include <feib/cartesian_forest.h>
 #include <feib/domain.h>
+#include <feib/flat_constraints.h>
 #include <feib/lattice.h>
 
 #include <deal.II/base/partitioner.h>
@@ -201,31 +202,6 @@ namespace feib
     Lattice<dim> make_lattice(bool refined) const;
     void distribute_dofs();
     void make_constraints(double t);
-    /// Constraints of the locally relevant unknowns, flat: unknown, its prescribed value and
-    /// masters.
-    struct FlatConstraints
-    {
-      struct Line
-      {
-        unsigned int unknown, begin, end;
-        double value;
-      };
-
-      FlatConstraints() = default;
-      FlatConstraints(const dealii::AffineConstraints<double> &constraints,
-                      const dealii::IndexSet &relevant,
-                      const dealii::Utilities::MPI::Partitioner &partitioner);
-
-      double value(const VelocityVector &v, const Line &line) const;
-
-      /// The owned values of v to their masters.
-      void condense(VelocityVector &v) const;
-
-      std::vector<Line> lines;
-      std::vector<unsigned int> masters;
-      std::vector<double> weights;
-    };
-
     void flatten_constraints();
     void find_boundary_faces();
     Issues absent_parts() const; // conditions that hold nowhere
@@ -254,6 +230,7 @@ namespace feib
     unsigned int revision_number = 0;
     std::uint64_t fingerprint    = 0; // tells meshes apart, the same for any division between ranks
     double smallest_edge_length = 0, present_time = 0;
+    double constraints_time = 0; // of velocity_constraints
 
     FlatConstraints flat_constraints;
     bool on_the_way = false; // set_time(t, share, end) has changed them

@@ -71,6 +71,13 @@ namespace feib
     /// The ranks that build the component, all with the same parameters.
     MPI_Comm communicator() const;
 
+    /// The shortest edge of the finest cells that the fluid may have where this is built beside
+    /// it, 0 where it is not [length].
+    double cell_edge() const;
+
+    /// The same with that edge. For the core.
+    Parameters beside_cells(double edge) const;
+
     /// Throws an Error at @p key of this block ("" for the block itself; "mesh/gmsh/file" goes
     /// deeper).
     [[noreturn]] void fail(const std::string &key, const std::string &message) const;

@@ -43,8 +43,8 @@ namespace feib
     /// there is none. Collective.
     static CheckpointInfo newest(const std::string &run_folder);
 
-    /// Throws Error when a run of this case by these programs would not go on with what the
-    /// checkpoint holds; ends, outputs, step control and checkpoints may differ.
+    /// Throws Error when a run of this case by these programs and files would not go on with what
+    /// the checkpoint holds; ends, outputs, step control and checkpoints may differ.
     void check(const Case &description, const std::map<std::string, std::string> &versions) const;
   };
 
@@ -73,7 +73,8 @@ namespace feib
       /// Asked after every step, with the same answer on every rank: what a signal asks for. May
       /// be empty.
       std::function<Request()> requested;
-      /// What a checkpoint says of the programs it is made by: names and versions.
+      /// What a checkpoint says of the programs and input files it is made by: names, and versions
+      /// or checksums.
       std::map<std::string, std::string> versions;
       /// The checkpoint to go on from, a folder; empty: from the start.
       std::string restart;

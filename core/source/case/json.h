@@ -51,6 +51,7 @@ namespace feib
     std::shared_ptr<const Document> document;
     const Json *value;
     std::string pointer;
+    double cell_edge = 0;
   };
 } // namespace feib
 

@@ -167,8 +167,8 @@ namespace feib
     const Json &value = member(*node, key);
     if (!value.is_object())
       misuse(*node, key, "is not an object");
-    return Parameters(
-      std::make_shared<Node>(Node{node->document, &value, node->pointer + pointer_part(key)}));
+    return Parameters(std::make_shared<Node>(
+      Node{node->document, &value, node->pointer + pointer_part(key), node->cell_edge}));
   }
 
 
@@ -181,10 +181,11 @@ namespace feib
       {
         if (!values[i].is_object())
           misuse(*node, key, "holds something that is not an object");
-        result.emplace_back(std::make_shared<Node>(
-          Node{node->document,
-               &values[i],
-               node->pointer + pointer_part(key) + "/" + std::to_string(i)}));
+        result.emplace_back(
+          std::make_shared<Node>(Node{node->document,
+                                      &values[i],
+                                      node->pointer + pointer_part(key) + "/" + std::to_string(i),
+                                      node->cell_edge}));
       }
     return result;
   }
@@ -204,6 +205,22 @@ namespace feib
   Parameters::pointer() const
   {
     return node->pointer;
+  }
+
+
+  double
+  Parameters::cell_edge() const
+  {
+    return node->cell_edge;
+  }
+
+
+  Parameters
+  Parameters::beside_cells(const double edge) const
+  {
+    Node result      = *node;
+    result.cell_edge = edge;
+    return Parameters(std::make_shared<Node>(std::move(result)));
   }
 
 

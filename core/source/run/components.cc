@@ -10,6 +10,8 @@
 #include <feib/message.h>
 #include <feib/registry.h>
 
+#include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -47,6 +49,18 @@ namespace feib
           throw Error("/refinement", failure.what());
         }
     }
+
+
+    /// Of cells of a level.
+    template <int dim>
+    double
+    shortest_edge(const Domain<dim> &box, const unsigned int level)
+    {
+      double result = std::numeric_limits<double>::infinity();
+      for (unsigned int a = 0; a < dim; ++a)
+        result = std::min(result, (box.upper[a] - box.lower[a]) / box.cells[a]);
+      return std::ldexp(result, -int(level));
+    }
   } // namespace
 
 
@@ -72,11 +86,13 @@ namespace feib
         earlier_flow =
           std::make_unique<EarlierFlow<dim>>(parameters.child("initial_state"), space->domain());
     });
-    build_structures(parameters, issues);
-    build_time(parameters.child("time"), issues);
     collect(issues, [&] {
       refinement = parameters.child("refinement").template create<RefinementStrategy<dim>>();
     });
+    const double edge =
+      space && refinement ? shortest_edge(space->domain(), refinement->finest_level()) : 0.;
+    build_structures(parameters.beside_cells(edge), issues);
+    build_time(parameters.child("time"), issues);
     build_outputs(parameters, issues);
     build_exact(parameters, issues);
     if (space)

@@ -153,6 +153,7 @@ namespace feib
     check_measures(time);
     check_structures(components, time, verdict);
     check_resolution(time);
+    check_forces(time);
     check_momentum(time);
   }
 
@@ -240,6 +241,37 @@ namespace feib
             "Reynolds number of "
          << cell_reynolds << ": the mesh is too coarse for the flow";
     verdict.warn("resolution", time, part, text.str());
+  }
+
+
+  template <int dim>
+  void
+  Judge<dim>::check_forces(const double time)
+  {
+    const Ledger &ledger   = accounts.ledger;
+    const Domain<dim> &box = components.space->domain();
+    const auto size        = box.upper - box.lower;
+    double volume          = 1;
+    for (unsigned int a = 0; a < dim; ++a)
+      volume *= size[a];
+    const double velocity = ledger.last("largest_velocity");
+    // Where nothing has moved by more than round-off, forces are round-off.
+    if (velocity * time < 1e-9 * size.norm())
+      return;
+    const double momentum = components.fluid->density() * volume * velocity;
+    swings.add(ledger, 1e-6 * momentum / ledger.last("dt"));
+    const auto [part, name] = swings.worst();
+    if (part == 0)
+      return;
+    std::ostringstream text;
+    text
+      << std::setprecision(2) << "the force of \"" << name << "\" swings within a few steps by "
+      << 100 * part << " % of what it is, which steps of " << ledger.last("dt")
+      << " do not follow: its means over time hold, its values do not. Springs, a law or "
+         "boundary values ask for too much: shorter steps may follow; targets and boundary "
+         "values that change smoothly, dampers of half a step times the stiffness, or the scheme "
+         "lagged_be let it rest";
+    verdict.warn("unresolved_swing", time, part, text.str());
   }
 
 

@@ -3,6 +3,7 @@
 #define feib_judge_h
 
 #include "accounts.h"
+#include "swing_check.h"
 #include "energy_check.h"
 #include "verdict.h"
 
@@ -71,6 +72,7 @@ namespace feib
     archive(Archive &archive)
     {
       archive("verdict", verdict);
+      archive("swings", swings);
       archive("calm_limit", calm_limit);
     }
 
@@ -82,6 +84,9 @@ namespace feib
     /// Flows too rough for the mesh, which have lost what they were.
     void check_resolution(double time);
 
+    /// Forces that swing faster than the steps follow.
+    void check_forces(double time);
+
     /// Momentum that changes though nothing in a periodic box can change it.
     void check_momentum(double time);
 
@@ -90,7 +95,8 @@ namespace feib
     const double energy_growth, measure_tolerance;
     std::optional<EnergyCheck<dim>> energies; // from the initial state on
     std::vector<double> initial_measures;     // of each structure
-    double calm_limit = 0;                    // of the step, when energy last did not grow
+    SwingCheck swings;
+    double calm_limit = 0; // of the step, when energy last did not grow
   };
 } // namespace feib
 

@@ -47,20 +47,6 @@ namespace feib
       return dealii::Utilities::MPI::sum(sum, communicator);
     }
 
-
-    /// Adds the unknowns that constraints make values from.
-    dealii::IndexSet
-    with_masters(dealii::IndexSet unknowns, const dealii::AffineConstraints<double> &constraints)
-    {
-      std::vector<dealii::types::global_dof_index> masters;
-      for (const auto i : unknowns)
-        if (constraints.is_constrained(i))
-          for (const auto &entry : *constraints.get_constraint_entries(i))
-            masters.push_back(entry.first);
-      std::sort(masters.begin(), masters.end());
-      unknowns.add_indices(masters.begin(), masters.end());
-      return unknowns;
-    }
   } // namespace
 
 
@@ -133,7 +119,7 @@ namespace feib
     // Ghosts: what the cells around need, and what constraints of those lead to.
     velocity_partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
       velocity_dof_handler.locally_owned_dofs(),
-      with_masters(relevant_velocity, velocity_constraints),
+      FlatConstraints::with_masters(relevant_velocity, velocity_constraints),
       mpi_communicator);
     dealii::IndexSet relevant_pressure;
     dealii::DoFTools::extract_locally_relevant_dofs(pressure_dof_handler, relevant_pressure);
@@ -187,7 +173,7 @@ namespace feib
   void
   EulerianSpace<dim>::make_constraints(const double t)
   {
-    present_time = t;
+    constraints_time = t;
     dealii::DoFTools::extract_locally_relevant_dofs(velocity_dof_handler, relevant_velocity);
     const auto with = [&](const double share) {
       return make_velocity_constraints(
@@ -223,58 +209,6 @@ namespace feib
 
 
   template <int dim>
-  EulerianSpace<dim>::FlatConstraints::FlatConstraints(
-    const dealii::AffineConstraints<double> &constraints,
-    const dealii::IndexSet &relevant,
-    const dealii::Utilities::MPI::Partitioner &partitioner)
-  {
-    for (const auto i : relevant)
-      if (constraints.is_constrained(i))
-        {
-          Line line;
-          line.unknown = partitioner.global_to_local(i);
-          line.begin   = masters.size();
-          for (const auto &entry : *constraints.get_constraint_entries(i))
-            {
-              masters.push_back(partitioner.global_to_local(entry.first));
-              weights.push_back(entry.second);
-            }
-          line.end   = masters.size();
-          line.value = constraints.get_inhomogeneity(i);
-          lines.push_back(line);
-        }
-  }
-
-
-  template <int dim>
-  double
-  EulerianSpace<dim>::FlatConstraints::value(const VelocityVector &v, const Line &line) const
-  {
-    double value = 0;
-    for (unsigned int k = line.begin; k < line.end; ++k)
-      value += weights[k] * v.local_element(masters[k]);
-    return value;
-  }
-
-
-  template <int dim>
-  void
-  EulerianSpace<dim>::FlatConstraints::condense(VelocityVector &v) const
-  {
-    const unsigned int n_owned = v.locally_owned_size();
-    for (const Line &line : lines)
-      if (line.unknown < n_owned)
-        {
-          const double value            = v.local_element(line.unknown);
-          v.local_element(line.unknown) = 0;
-          for (unsigned int k = line.begin; k < line.end; ++k)
-            v.local_element(masters[k]) += weights[k] * value;
-        }
-    v.compress(dealii::VectorOperation::add);
-  }
-
-
-  template <int dim>
   void
   EulerianSpace<dim>::flatten_constraints()
   {
@@ -286,9 +220,10 @@ namespace feib
   void
   EulerianSpace<dim>::set_time(const double t)
   {
-    if (box.time_dependent() && (t != present_time || on_the_way))
+    if (box.time_dependent() && (t != constraints_time || on_the_way))
       {
-        make_constraints(t);
+        if (t != constraints_time)
+          make_constraints(t);
         flatten_constraints();
       }
     on_the_way   = false;
@@ -308,13 +243,7 @@ namespace feib
         return;
       }
     set_time(end);
-    old_velocity.update_ghost_values();
-    for (auto &line : flat_constraints.lines)
-      {
-        const double begin =
-          old_velocity.local_element(line.unknown) - flat_constraints.value(old_velocity, line);
-        line.value = (1 - share) * begin + share * line.value;
-      }
+    flat_constraints.approach(old_velocity, share);
     on_the_way   = true;
     present_time = t;
   }
@@ -324,8 +253,7 @@ namespace feib
   Issues
   EulerianSpace<dim>::check_boundary(const std::vector<double> &times)
   {
-    const double present = present_time;
-    Issues issues        = boundary_issues;
+    Issues issues = boundary_issues;
     for (const double t : times)
       if (issues.empty() && box.time_dependent())
         {
@@ -334,7 +262,7 @@ namespace feib
         }
     if (box.time_dependent())
       {
-        make_constraints(present);
+        make_constraints(present_time);
         flatten_constraints();
       }
     const Issues absent = absent_parts();
@@ -554,7 +482,7 @@ namespace feib
         auto made         = std::make_unique<Continuity>();
         made->partitioner = std::make_shared<dealii::Utilities::MPI::Partitioner>(
           velocity_dof_handler.locally_owned_dofs(),
-          with_masters(relevant_velocity, constraints),
+          FlatConstraints::with_masters(relevant_velocity, constraints),
           mpi_communicator);
         made->constraints = {constraints, relevant_velocity, *made->partitioner};
         continuity        = std::move(made);
@@ -571,10 +499,7 @@ namespace feib
   void
   EulerianSpace<dim>::distribute(VelocityVector &v, const bool homogeneous) const
   {
-    v.update_ghost_values();
-    for (const auto &line : flat_constraints.lines)
-      v.local_element(line.unknown) =
-        flat_constraints.value(v, line) + (homogeneous ? 0. : line.value);
+    flat_constraints.distribute(v, homogeneous);
   }
 
 

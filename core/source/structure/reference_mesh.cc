@@ -98,8 +98,10 @@ namespace feib
     refine(const Parameters &block, const unsigned int structure_dim)
     {
       LagrangianMesh<dim> mesh = make_reference_mesh<dim>(block.child("mesh"), structure_dim);
-      const double longest     = block.number("longest_edge");
-      const auto halvings      = [&] {
+      double longest           = block.number("longest_edge");
+      if (block.string("unit") == "cells" && block.cell_edge() > 0)
+        longest *= block.cell_edge();
+      const auto halvings = [&] {
         double diameter = 0;
         for (const auto &element : mesh.elements())
           diameter = std::max(diameter, element.diameter);

@@ -4,6 +4,7 @@
 
 #include <feib/coupling_operator.h>
 #include <feib/failure.h>
+#include <feib/periodic_images.h>
 #include <feib/plugin.h>
 
 #include <deal.II/base/quadrature_lib.h>
@@ -99,7 +100,7 @@ namespace feib
     // The geometry, with this rank's cells.
     std::unique_ptr<Reconstruction<dim>> reconstruction; // null before a cell is known
     NodalField<dim> zero;                                // of the points
-    std::vector<unsigned int> images;                    // of find_images(); of points, themselves
+    std::vector<unsigned int> images; // of periodic_images(); of points, themselves
     std::vector<Sheet<dim>> sheets;
     SheetPieces<dim> pieces;
     std::vector<Plain> plain;
@@ -179,7 +180,7 @@ namespace feib
     std::iota(images.begin(), images.end(), 0u);
     if (points.are_nodes(mesh.n_nodes()))
       {
-        images = find_images(space.domain(), mesh, X);
+        images = periodic_images(space.domain(), mesh, X);
         sheets = find_sheets(space.domain(), mesh, X, images);
       }
     agree(space.communicator(), [&] {

@@ -37,14 +37,8 @@ namespace feib
     }
   };
 
-  /// For each node itself or, where a structure reaches across a periodic box and begins anew, the
-  /// first node that is whole periods away: both are one point of the structure.
-  template <int dim>
-  std::vector<unsigned int>
-  find_images(const Domain<dim> &domain, const LagrangianMesh<dim> &mesh, const Positions<dim> &X);
-
   /// The facets that nodes move with, their maps not set yet; none where a body continues in its
-  /// image. @p images: of find_images().
+  /// image. @p images: of periodic_images().
   template <int dim>
   std::vector<Sheet<dim>> find_sheets(const Domain<dim> &domain,
                                       const LagrangianMesh<dim> &mesh,

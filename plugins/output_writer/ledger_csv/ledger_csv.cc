@@ -1,33 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <feib/appended_file.h>
-#include <feib/failure.h>
-#include <feib/output_writer.h>
 #include <feib/plugin.h>
-
-#include <deal.II/base/mpi.h>
-
-#include <iomanip>
-#include <sstream>
+#include <feib/table_writer.h>
 
 #include "ledger_csv_schema.h"
 
 namespace
 {
   template <int dim>
-  class LedgerCsv : public feib::OutputWriter<dim>
+  class LedgerCsv : public feib::TableWriter<dim>
   {
   public:
-    using Snapshot = typename feib::OutputWriter<dim>::Snapshot;
+    using Snapshot = typename feib::TableWriter<dim>::Snapshot;
 
     explicit LedgerCsv(const feib::Parameters &parameters)
-      : steps(parameters.integer("interval"))
+      : feib::TableWriter<dim>("ledger.csv", parameters.integer("interval"))
     {}
-
-    unsigned int
-    interval() const override
-    {
-      return steps;
-    }
 
     /// Appends the last row of the ledger, unless it has been written.
     void
@@ -36,52 +23,19 @@ namespace
       const feib::Ledger &ledger = snapshot.ledger;
       if (ledger.n_rows() == rows_seen)
         return;
-      const MPI_Comm communicator = snapshot.space.communicator();
-      rows_seen                   = ledger.n_rows();
-
-      feib::agree(communicator, [&] {
-        if (dealii::Utilities::MPI::this_mpi_process(communicator) != 0)
-          return;
-        if (!file.is_open())
-          file.open(snapshot.directory + "/" + file_name, text_of(ledger.columns()));
-        file.append(text_of(ledger.last_row()));
-      });
+      rows_seen = ledger.n_rows();
+      this->append(snapshot, ledger.columns(), {ledger.last_row()});
     }
 
     void
     archive(feib::Archive &archive) override
     {
+      feib::TableWriter<dim>::archive(archive);
       archive("rows_seen", rows_seen);
-      archive("file", file);
-    }
-
-    void
-    reopen(const std::string &directory) override
-    {
-      feib::agree(MPI_COMM_WORLD, [&] {
-        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-          file.reopen(directory + "/" + file_name);
-      });
     }
 
   private:
-    static constexpr const char *file_name = "ledger.csv";
-
-    template <typename Entry>
-    static std::string
-    text_of(const std::vector<Entry> &entries)
-    {
-      std::ostringstream text;
-      text << std::setprecision(17);
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        text << (i > 0 ? "," : "") << entries[i];
-      text << '\n';
-      return text.str();
-    }
-
-    const unsigned int steps;
     unsigned int rows_seen = 0;
-    feib::AppendedFile file;
   };
 } // namespace
 

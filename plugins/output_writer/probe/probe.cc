@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <feib/appended_file.h>
-#include <feib/failure.h>
-#include <feib/output_writer.h>
 #include <feib/plugin.h>
+#include <feib/table_writer.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
-#include <iomanip>
 #include <sstream>
 
 #include "probe_schema.h"
@@ -17,37 +14,16 @@ namespace
   const char *const axes[] = {"x", "y", "z"};
 
   template <int dim>
-  class Probe : public feib::OutputWriter<dim>
+  class Probe : public feib::TableWriter<dim>
   {
   public:
-    using Snapshot = typename feib::OutputWriter<dim>::Snapshot;
+    using Snapshot = typename feib::TableWriter<dim>::Snapshot;
 
     explicit Probe(const feib::Parameters &parameters);
-
-    unsigned int
-    interval() const override
-    {
-      return steps;
-    }
 
     void check(const feib::CheckContext<dim> &context) override;
 
     void write(const Snapshot &snapshot) override;
-
-    void
-    archive(feib::Archive &archive) override
-    {
-      archive("file", file);
-    }
-
-    void
-    reopen(const std::string &directory) override
-    {
-      feib::agree(MPI_COMM_WORLD, [&] {
-        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-          file.reopen(directory + "/" + file_name());
-      });
-    }
 
   private:
     /// Velocity components and pressure at each point, on all ranks.
@@ -56,16 +32,6 @@ namespace
     /// Finds the structure and the elements that have the places.
     void find_places(const feib::CheckContext<dim> &context);
 
-    void write_rows(const Snapshot &snapshot, const std::vector<double> &values);
-
-    std::string
-    file_name() const
-    {
-      return "probe_" + name + ".csv";
-    }
-
-    const std::string name;
-    const unsigned int steps;
     std::vector<std::pair<std::string, dealii::Point<dim>>> given; // with their places in the case
     std::vector<dealii::Point<dim>> points;
     std::string structure;                  // that the points ride on; empty: none
@@ -73,7 +39,6 @@ namespace
     std::string pointer;                    // of their block
     unsigned int index = 0;                 // of the structure
     feib::LagrangianPoints material_points;
-    feib::AppendedFile file;
   };
 
 
@@ -94,8 +59,8 @@ namespace
 
   template <int dim>
   Probe<dim>::Probe(const feib::Parameters &parameters)
-    : name(parameters.word("name"))
-    , steps(parameters.integer("interval"))
+    : feib::TableWriter<dim>("probe_" + parameters.word("name") + ".csv",
+                             parameters.integer("interval"))
   {
     const auto [kind, place] = parameters.child("at").choice();
     if (kind == "structure")
@@ -221,11 +186,22 @@ namespace
         const auto x = material_points.positions(snapshot.structures[index].model->positions);
         points.assign(x.begin(), x.end());
       }
+    std::vector<std::string> columns = {"step", "time", "point"};
+    for (const std::string head : {"", "velocity_"})
+      for (unsigned int a = 0; a < dim; ++a)
+        columns.push_back(head + axes[a]);
+    columns.push_back("pressure");
+
     const std::vector<double> found = values(snapshot.space);
-    feib::agree(snapshot.space.communicator(), [&] {
-      if (dealii::Utilities::MPI::this_mpi_process(snapshot.space.communicator()) == 0)
-        write_rows(snapshot, found);
-    });
+    std::vector<std::vector<double>> rows;
+    for (unsigned int p = 0; p < points.size(); ++p)
+      {
+        rows.push_back({double(snapshot.step), snapshot.time, double(p)});
+        rows.back().insert(rows.back().end(), points[p].begin_raw(), points[p].end_raw());
+        const auto first = found.begin() + (dim + 1) * p;
+        rows.back().insert(rows.back().end(), first, first + dim + 1);
+      }
+    this->append(snapshot, columns, rows);
   }
 
 
@@ -261,34 +237,6 @@ namespace
     return result;
   }
 
-
-  template <int dim>
-  void
-  Probe<dim>::write_rows(const Snapshot &snapshot, const std::vector<double> &values)
-  {
-    std::ostringstream text;
-    text << std::setprecision(17);
-    if (!file.is_open())
-      {
-        text << "step,time,point";
-        for (unsigned int a = 0; a < dim; ++a)
-          text << ',' << axes[a];
-        for (unsigned int a = 0; a < dim; ++a)
-          text << ",velocity_" << axes[a];
-        text << ",pressure\n";
-        file.open(snapshot.directory + "/" + file_name(), "");
-      }
-    for (unsigned int p = 0; p < points.size(); ++p)
-      {
-        text << snapshot.step << ',' << snapshot.time << ',' << p;
-        for (unsigned int a = 0; a < dim; ++a)
-          text << ',' << points[p][a];
-        for (unsigned int i = 0; i <= dim; ++i)
-          text << ',' << values[(dim + 1) * p + i];
-        text << '\n';
-      }
-    file.append(text.str());
-  }
 } // namespace
 
 

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <feib/appended_file.h>
-#include <feib/failure.h>
 #include <feib/message.h>
-#include <feib/output_writer.h>
 #include <feib/plugin.h>
+#include <feib/table_writer.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
-#include <iomanip>
 #include <sstream>
 
 #include "section_schema.h"
@@ -20,38 +17,17 @@ namespace
 
   /// See the schema.
   template <int dim>
-  class Section : public feib::OutputWriter<dim>
+  class Section : public feib::TableWriter<dim>
   {
   public:
-    using Snapshot = typename feib::OutputWriter<dim>::Snapshot;
+    using Snapshot = typename feib::TableWriter<dim>::Snapshot;
     using Space    = feib::EulerianSpace<dim>;
 
     explicit Section(const feib::Parameters &parameters);
 
-    unsigned int
-    interval() const override
-    {
-      return steps;
-    }
-
     void check(const feib::CheckContext<dim> &context) override;
 
     void write(const Snapshot &snapshot) override;
-
-    void
-    archive(feib::Archive &archive) override
-    {
-      archive("file", file);
-    }
-
-    void
-    reopen(const std::string &directory) override
-    {
-      feib::agree(MPI_COMM_WORLD, [&] {
-        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-          file.reopen(directory + "/" + file_name());
-      });
-    }
 
   private:
     /// Integrals of 1, velocity components and pressure, on all ranks.
@@ -64,28 +40,18 @@ namespace
                dealii::Point<dim> &from,
                dealii::Point<dim> &to) const;
 
-    void write_row(const Snapshot &snapshot, const std::vector<double> &sums);
-
-    std::string
-    file_name() const
-    {
-      return "section_" + name + ".csv";
-    }
-
-    const std::string name, pointer;
-    const unsigned int steps;
+    const std::string pointer;
     unsigned int normal = 0;
     const double at;
     std::vector<double> lower, upper; // empty: those of the box
-    feib::AppendedFile file;
   };
 
 
   template <int dim>
   Section<dim>::Section(const feib::Parameters &parameters)
-    : name(parameters.word("name"))
+    : feib::TableWriter<dim>("section_" + parameters.word("name") + ".csv",
+                             parameters.integer("interval"))
     , pointer(parameters.pointer())
-    , steps(parameters.integer("interval"))
     , at(parameters.number("at"))
   {
     const std::string direction = parameters.string("normal");
@@ -208,33 +174,15 @@ namespace
   Section<dim>::write(const Snapshot &snapshot)
   {
     snapshot.space.velocity.update_ghost_values();
-    const std::vector<double> sums = integrals(snapshot.space);
-    feib::agree(snapshot.space.communicator(), [&] {
-      if (dealii::Utilities::MPI::this_mpi_process(snapshot.space.communicator()) == 0)
-        write_row(snapshot, sums);
-    });
-  }
-
-
-  template <int dim>
-  void
-  Section<dim>::write_row(const Snapshot &snapshot, const std::vector<double> &sums)
-  {
-    std::ostringstream text;
-    text << std::setprecision(17);
-    if (!file.is_open())
-      {
-        text << "step,time,area,flux";
-        for (unsigned int a = 0; a < dim; ++a)
-          text << ",velocity_" << axes[a];
-        text << ",pressure\n";
-        file.open(snapshot.directory + "/" + file_name(), "");
-      }
-    text << snapshot.step << ',' << snapshot.time << ',' << sums[0] << ',' << sums[1 + normal];
+    const std::vector<double> sums   = integrals(snapshot.space);
+    std::vector<std::string> columns = {"step", "time", "area", "flux"};
+    for (unsigned int a = 0; a < dim; ++a)
+      columns.push_back(std::string("velocity_") + axes[a]);
+    columns.push_back("pressure");
+    std::vector<double> row = {double(snapshot.step), snapshot.time, sums[0], sums[1 + normal]};
     for (unsigned int i = 1; i < sums.size(); ++i)
-      text << ',' << sums[i] / sums[0];
-    text << '\n';
-    file.append(text.str());
+      row.push_back(sums[i] / sums[0]);
+    this->append(snapshot, columns, {row});
   }
 } // namespace
 

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/expression.h>
+#include <feib/periodic_images.h>
 #include <feib/plugin.h>
 #include <feib/registry.h>
 #include <feib/structure_force/stencil_force.h>
 
 #include "bending_schema.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -20,6 +25,8 @@ namespace feib
   /// Surfaces: E = sum over inner edges of B/2 w (2 tan(theta/2) - d curvature)^2, w = |e|^2/A, A
   /// the area of both triangles and d = 2/3 A/|e| the distance of their centroids across the edge
   /// (Grinspun et al., Proc. Symp. Comput. Anim. (2003) 62, whose weight is 6 w / B).
+  ///
+  /// Where a structure goes on as its image in a periodic box, that is inside it.
   template <int dim>
   class Bending : public StencilForce<Bending<dim>, dim + 1, dim>
   {
@@ -47,7 +54,8 @@ namespace feib
       this->communicator = body.mesh.communicator();
       for (const auto &face : body.mesh.faces())
         if (!face.at_boundary())
-          add_stencil(body.mesh, face, *curvature);
+          add_stencil(body.mesh, side(face, 0), side(face, 1), {}, *curvature);
+      add_seams(body, *curvature);
       if (const Issues issues = curvature->not_finite(MPI_COMM_SELF); !issues.empty())
         throw Error(issues);
       if (parameters.boolean("initial_shape"))
@@ -56,7 +64,7 @@ namespace feib
             std::array<Vector<Lanes>, dim + 1> X;
             for (unsigned int k = 0; k <= dim; ++k)
               for (unsigned int a = 0; a < dim; ++a)
-                X[k][a] = body.positions[this->stencils[s][k]][a];
+                X[k][a] = body.positions[this->stencils[s][k]][a] + (k == dim ? shifts[a][s] : 0.);
             rest[s] += angle(X)[0];
           }
     }
@@ -65,7 +73,10 @@ namespace feib
     Number
     stencil_energy(const std::array<Vector<Number>, dim + 1> &X, const PointBatch &batch) const
     {
-      const Number bent = angle(X) - batch(rest);
+      std::array<Vector<Number>, dim + 1> in_place = X;
+      for (unsigned int a = 0; a < dim; ++a)
+        in_place[dim][a] = X[dim][a] + batch(shifts[a]);
+      const Number bent = angle(in_place) - batch(rest);
       return bent * bent * batch(weights);
     }
 
@@ -76,20 +87,71 @@ namespace feib
     }
 
   private:
+    using Mesh  = LagrangianMesh<dim>;
+    using Face  = typename Mesh::Face;
+    using Shift = dealii::Tensor<1, dim>;
+
+    /// An element at a face, and its node opposite.
+    struct Side
+    {
+      unsigned int element, opposite;
+    };
+
+    static Side
+    side(const Face &face, const unsigned int which)
+    {
+      return {face.elements[which], face.opposite[which]};
+    }
+
+    /// The ends of a structure that are images of each other.
     void
-    add_stencil(const LagrangianMesh<dim> &mesh,
-                const typename LagrangianMesh<dim>::Face &face,
+    add_seams(const Body &body, const dealii::Function<dim> &curvature)
+    {
+      using Nodes = std::array<unsigned int, dim - 1>;
+      const std::vector<unsigned int> images =
+        periodic_images(body.domain, body.mesh, body.positions);
+      std::map<Nodes, const Face *> ends;
+      for (const Face &face : body.mesh.faces())
+        if (face.at_boundary())
+          {
+            Nodes nodes;
+            for (unsigned int k = 0; k + 1 < dim; ++k)
+              nodes[k] = images[face.nodes[k]];
+            std::sort(nodes.begin(), nodes.end());
+            const auto [other, is_new] = ends.try_emplace(nodes, &face);
+            if (is_new)
+              continue;
+            unsigned int j = 0; // the node of the other end that is an image of the first
+            while (images[other->second->nodes[j]] != images[face.nodes[0]])
+              ++j;
+            Shift shift = body.positions[other->second->nodes[j]] - body.positions[face.nodes[0]];
+            for (unsigned int a = 0; a < dim; ++a)
+              {
+                const double period = body.domain.upper[a] - body.domain.lower[a];
+                shift[a]            = period * std::round(shift[a] / period);
+              }
+            add_stencil(body.mesh, side(*other->second, 0), side(face, 0), shift, curvature);
+          }
+    }
+
+    /// Between two elements, the @p second of which is by @p shift away from where it is.
+    void
+    add_stencil(const Mesh &mesh,
+                const Side &one,
+                const Side &other,
+                const Shift &shift,
                 const dealii::Function<dim> &curvature)
     {
-      const auto &first    = mesh.elements()[face.elements[0]],
-                 &second   = mesh.elements()[face.elements[1]];
-      const unsigned int k = face.opposite[0], l = face.opposite[1];
+      const auto &first = mesh.elements()[one.element], &second = mesh.elements()[other.element];
+      const unsigned int k = one.opposite, l = other.opposite;
+      double sign = 1;
       if constexpr (dim == 2)
         {
           // The nodes in the direction of the curve.
           const bool forward = k == 0;
           const auto &before = forward ? first : second, &after = forward ? second : first;
           const double length = (first.measure + second.measure) / 2;
+          sign                = forward ? 1. : -1.;
           this->stencils.push_back({before.nodes[0], before.nodes[1], after.nodes[1]});
           weights.push_back(rigidity / 2 / length);
           rest.push_back(length * curvature.value(mesh.nodes()[before.nodes[1]]));
@@ -103,6 +165,8 @@ namespace feib
           weights.push_back(rigidity / 2 * edge * edge / area);
           rest.push_back(2. / 3 * area / edge * curvature.value(first.centroid));
         }
+      for (unsigned int a = 0; a < dim; ++a)
+        shifts[a].push_back(sign * shift[a]);
     }
 
     template <typename Number>
@@ -160,7 +224,8 @@ namespace feib
 
     const Parameters parameters;
     const double rigidity;
-    std::vector<double> weights, rest; // of stencils
+    std::vector<double> weights, rest;           // of stencils
+    std::array<std::vector<double>, dim> shifts; // of their last nodes
   };
 } // namespace feib
 

@@ -30,6 +30,7 @@ namespace feib
             parameters.child("face_quadrature"),
             parameters.boolean("boundary_faces"))
     , points(faces.points())
+    , forces(reference_mesh, structure_name, points)
     , node_masses(lumped_masses(parameters, reference_mesh))
   {
     this->initial_positions = this->positions;
@@ -137,8 +138,7 @@ namespace feib
         archive("state_" + state_names[v], values);
         std::copy(values.begin() + first, values.begin() + last, moment.state[v].begin());
       }
-    for (const auto &force : forces)
-      archive("force_" + force->name, *force);
+    archive("forces", forces);
     if (archive.reading())
       moment_has_changed();
   }
@@ -148,17 +148,7 @@ namespace feib
   void
   ElasticStructure<structure_dim, dim>::set_forces(Forces new_forces)
   {
-    forces = std::move(new_forces);
-    if (!forces.empty() && !points.are_nodes(reference_mesh.n_nodes()))
-      {
-        first_force_point = points.size();
-        for (unsigned int i = 0; i < reference_mesh.n_nodes(); ++i)
-          for (unsigned int k = 0; k < points.nodes_per_point; ++k)
-            {
-              points.node.push_back(i);
-              points.weight.push_back(k == 0 ? 1. : 0.);
-            }
-      }
+    forces.set(std::move(new_forces));
     moment_has_changed();
   }
 
@@ -167,74 +157,7 @@ namespace feib
   std::vector<std::string>
   ElasticStructure<structure_dim, dim>::force_names() const
   {
-    std::vector<std::string> names;
-    for (const auto &force : forces)
-      names.push_back(force->name);
-    return names;
-  }
-
-
-  template <int structure_dim, int dim>
-  bool
-  ElasticStructure<structure_dim, dim>::any_force(bool (StructureForce<dim>::*property)()
-                                                    const) const
-  {
-    for (const auto &force : forces)
-      if ((*force.*property)())
-        return true;
-    return false;
-  }
-
-
-  template <int structure_dim, int dim>
-  template <typename Action>
-  void
-  ElasticStructure<structure_dim, dim>::for_each_force(const char *what, const Action &action) const
-  {
-    for (const auto &force : forces)
-      agree(
-        reference_mesh.communicator(),
-        [&] { action(*force); },
-        "the force \"" + force->name + "\" of structure \"" + structure_name + "\" fails in its " +
-          what);
-  }
-
-
-  template <int structure_dim, int dim>
-  template <typename Action>
-  void
-  ElasticStructure<structure_dim, dim>::add_forces(const char *what,
-                                                   const Action &action,
-                                                   NodalField<dim> &load) const
-  {
-    if (forces.empty())
-      return;
-    NodalField<dim> at_nodes(reference_mesh);
-    for_each_force(what, [&](const StructureForce<dim> &force) {
-      action(force, at_nodes);
-      for (const auto &value : at_nodes)
-        if (!std::isfinite(value.norm_square()))
-          throw RunFailure("it is not finite");
-    });
-    NodalField<dim> sum(points);
-    std::copy(load.begin(), load.end(), sum.begin());
-    for (unsigned int i = 0; i < at_nodes.size(); ++i)
-      sum[first_force_point + i] += at_nodes[i];
-    load = std::move(sum);
-  }
-
-
-  template <int structure_dim, int dim>
-  template <typename Action>
-  void
-  ElasticStructure<structure_dim, dim>::add_entries(const char *what,
-                                                    const Action &action,
-                                                    MatrixEntries &entries) const
-  {
-    const std::size_t n_before = entries.size();
-    for_each_force(what, [&](const StructureForce<dim> &force) { action(force, entries); });
-    for (std::size_t i = n_before; i < entries.size(); ++i)
-      entries[i].row += std::uint64_t(first_force_point) * dim;
+    return forces.names();
   }
 
 
@@ -242,13 +165,7 @@ namespace feib
   std::vector<double>
   ElasticStructure<structure_dim, dim>::force_energies(const Positions<dim> &X) const
   {
-    std::vector<double> energies;
-    for_each_force("energy", [&](const StructureForce<dim> &force) {
-      energies.push_back(force.energy(X));
-      if (!std::isfinite(energies.back()))
-        throw RunFailure("it is not finite");
-    });
-    return energies;
+    return forces.energies(X);
   }
 
 
@@ -258,16 +175,7 @@ namespace feib
                                                     const Positions<dim> &geometry,
                                                     const NodalField<dim> &U) const
   {
-    std::vector<NodalField<dim>> loads;
-    for_each_force("load", [&](const StructureForce<dim> &force) {
-      loads.emplace_back(reference_mesh);
-      force.load(X, loads.back());
-      if (force.viscous())
-        force.viscous_load(geometry, U, loads.back());
-      if (force.external())
-        force.external_load(geometry, loads.back());
-    });
-    return loads;
+    return forces.loads(X, geometry, U);
   }
 
 
@@ -275,7 +183,7 @@ namespace feib
   bool
   ElasticStructure<structure_dim, dim>::external() const
   {
-    return any_force(&StructureForce<dim>::external);
+    return forces.external();
   }
 
 
@@ -285,12 +193,7 @@ namespace feib
                                                       NodalField<dim> &load) const
   {
     load = NodalField<dim>(points);
-    add_forces(
-      "external load",
-      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) {
-        force.external_load(X, at_nodes);
-      },
-      load);
+    forces.add_external_load(X, load);
   }
 
 
@@ -299,8 +202,7 @@ namespace feib
   ElasticStructure<structure_dim, dim>::moment_has_changed()
   {
     law->set_moment(moment);
-    for (const auto &force : forces)
-      force->set_moment(moment.time, moment.elapsed);
+    forces.set_moment(moment.time, moment.elapsed);
     if (!law->time_dependent() && state_names.empty() && forces.empty())
       return;
     last_energy.forget();
@@ -322,7 +224,7 @@ namespace feib
   void
   ElasticStructure<structure_dim, dim>::update_state(const Positions<dim> &X)
   {
-    for_each_force("state", [&](StructureForce<dim> &force) { force.update_state(X); });
+    forces.update_state(X);
     if (state_names.empty())
       return;
     const std::vector<Matrix> F = deformation_gradients(X);
@@ -384,10 +286,7 @@ namespace feib
   bool
   ElasticStructure<structure_dim, dim>::linear() const
   {
-    for (const auto &force : forces)
-      if (!force->linear())
-        return false;
-    return law->linear();
+    return law->linear() && forces.linear();
   }
 
 
@@ -517,10 +416,7 @@ namespace feib
     evaluate(
       "stress", [&] { law->stress(F, P); }, P);
     faces.load(P, load);
-    add_forces(
-      "load",
-      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) { force.load(X, at_nodes); },
-      load);
+    forces.add_load(X, load);
   }
 
 
@@ -535,12 +431,7 @@ namespace feib
     evaluate(
       "derivative of the stress", [&] { law->stress_derivative(F, dF, dP); }, dP);
     faces.load(dP, dload);
-    add_forces(
-      "derivative of the load",
-      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) {
-        force.load_derivative(X, dX, at_nodes);
-      },
-      dload);
+    forces.add_load_derivative(X, dX, dload);
   }
 
 
@@ -618,12 +509,7 @@ namespace feib
   ElasticStructure<structure_dim, dim>::tangent(const Positions<dim> &X) const
   {
     MatrixEntries entries = faces.tangent(tangent_columns(deformation_gradients(X)));
-    add_entries(
-      "tangent",
-      [&](const StructureForce<dim> &force, MatrixEntries &of_nodes) {
-        force.tangent(X, of_nodes);
-      },
-      entries);
+    forces.add_tangent(X, entries);
     return entries;
   }
 
@@ -632,7 +518,7 @@ namespace feib
   bool
   ElasticStructure<structure_dim, dim>::viscous() const
   {
-    return law->viscous() || any_force(&StructureForce<dim>::viscous);
+    return law->viscous() || forces.viscous();
   }
 
 
@@ -651,12 +537,7 @@ namespace feib
           "viscous stress", [&] { law->viscous_stress(F, rate, P); }, P);
         faces.load(P, load);
       }
-    add_forces(
-      "viscous load",
-      [&](const StructureForce<dim> &force, NodalField<dim> &at_nodes) {
-        force.viscous_load(X, U, at_nodes);
-      },
-      load);
+    forces.add_viscous_load(X, U, load);
   }
 
 
@@ -673,12 +554,7 @@ namespace feib
             law->viscous_stress(F, rate, P);
           }));
       }
-    add_entries(
-      "viscous tangent",
-      [&](const StructureForce<dim> &force, MatrixEntries &of_nodes) {
-        force.viscous_tangent(X, of_nodes);
-      },
-      entries);
+    forces.add_viscous_tangent(X, entries);
     return entries;
   }
 
@@ -691,16 +567,9 @@ namespace feib
       const std::vector<Matrix> F = deformation_gradients(X);
       const Stiffness local       = largest_stiffness<structure_dim, dim>(F, tangent_columns(F));
       const MPI_Comm communicator = reference_mesh.communicator();
-      typename StructureForce<dim>::Stiffness of_forces;
-      for (const auto &force : forces)
-        {
-          const auto added = force->stiffness(X);
-          of_forces.nodal += added.nodal;
-          of_forces.bending += added.bending;
-        }
       return {dealii::Utilities::MPI::max(local.reference, communicator),
               dealii::Utilities::MPI::max(local.spatial, communicator),
-              of_forces};
+              forces.stiffness(X)};
     });
   }
 

@@ -34,6 +34,27 @@ namespace feib::testing
   }
 
 
+  /// A scheme that goes on from half a step in the same direction meets the values on walls.
+  template <int dim>
+  void
+  check_beyond(const std::string &solver, const std::string &block)
+  {
+    FluidTrial<dim> trial(solver, block);
+    for (unsigned int n = 0; n < 3; ++n)
+      {
+        const double half = trial.dt / 2;
+        trial.advance(trial.stirring(), nullptr, half);
+        trial.space->velocity.zero_out_ghost_values();
+        trial.space->velocity.sadd(2., -1., trial.space->old_velocity);
+        trial.space->velocity.update_ghost_values();
+        trial.accept();
+        EXPECT_GT(trial.space->velocity.linfty_norm(), 1e-4);
+        EXPECT_LT(trial.distance_from_constraints(), 1e-14) << "values on walls after " << n + 1;
+        EXPECT_LT(trial.relative_divergence(), fluid_tolerance);
+      }
+  }
+
+
   /// A load that is a gradient moves no fluid: the pressure takes it, in a step and in
   /// find_pressure().
   template <int dim>
@@ -211,6 +232,11 @@ namespace feib::testing
   TEST_P(FluidSolverKit, StepsKeepTheConstraints)
   {
     check(check_step<2>, check_step<3>);
+  }
+
+  TEST_P(FluidSolverKit, HalfStepsLeadToTheValuesOnWalls)
+  {
+    check(check_beyond<2>, check_beyond<3>);
   }
 
   TEST_P(FluidSolverKit, AccountsForThePowers)

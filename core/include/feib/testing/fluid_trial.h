@@ -96,9 +96,11 @@ namespace feib::testing
       });
     }
 
-    /// The next step of length dt, not accepted yet.
+    /// The next step of length dt, or as much of it as leaves @p beyond; not accepted yet.
     Report
-    advance(const VelocityVector &load, ImplicitLoad<dim> *const implicit_load = nullptr)
+    advance(const VelocityVector &load,
+            ImplicitLoad<dim> *const implicit_load = nullptr,
+            const double beyond                    = 0)
     {
       if (accepted)
         {
@@ -106,7 +108,8 @@ namespace feib::testing
           space->old_velocity   = space->velocity;
           accepted              = false;
         }
-      return fluid->advance(*space, {time + dt, dt, load, implicit_load});
+      const double tau = dt - beyond;
+      return fluid->advance(*space, {time + tau, tau, load, implicit_load, beyond});
     }
 
     void

@@ -6,6 +6,7 @@
 #include <feib/structure_model.h>
 #include <feib/structure_model/face_loads.h>
 #include <feib/structure_model/moments.h>
+#include <feib/structure_model/structure_forces.h>
 
 #include <array>
 #include <memory>
@@ -28,7 +29,7 @@ namespace feib
     using Matrix    = typename Law::Matrix;
     using Mesh      = LagrangianMesh<dim>;
     using Stiffness = typename StructureModel<dim>::Stiffness;
-    using Forces    = std::vector<std::unique_ptr<StructureForce<dim>>>;
+    using Forces    = typename StructureForces<dim>::List;
 
     /// The component makes the law, from the slot "law" of the same block. Throws Error where
     /// elements are inverted that must not be, and where a body is none.
@@ -148,22 +149,6 @@ namespace feib
     /// Forgets what depends on the moment, where the law or a force does.
     void moment_has_changed();
 
-    /// Whether any of the forces says so.
-    bool any_force(bool (StructureForce<dim>::*property)() const) const;
-
-    /// Calls action(force) for each force; what it throws on any rank is a RunFailure on all that
-    /// names the force. Collective.
-    template <typename Action>
-    void for_each_force(const char *what, const Action &action) const;
-
-    /// The loads that action(force, load at the nodes) adds, at the load points. Collective.
-    template <typename Action>
-    void add_forces(const char *what, const Action &action, NodalField<dim> &load) const;
-
-    /// Entries that action(force, entries) gives for nodes, with rows of load points. Collective.
-    template <typename Action>
-    void add_entries(const char *what, const Action &action, MatrixEntries &entries) const;
-
     const Moments<dim> &measure_moments(const Positions<dim> &X) const;
 
     std::string structure_name;
@@ -174,10 +159,9 @@ namespace feib
     std::vector<std::string> state_names;
     typename Law::Moment moment; // of this rank's elements
     FaceLoads<structure_dim, dim> faces;
-    LagrangianPoints points;            // the load points
-    unsigned int first_force_point = 0; // where the nodes begin among them, when there are forces
-    std::vector<double> node_masses;    // lumped excess mass; empty: none
-    Forces forces;
+    LagrangianPoints points; // the load points
+    StructureForces<dim> forces;
+    std::vector<double> node_masses; // lumped excess mass; empty: none
 
     /// A function of positions that is not computed twice for the same ones: schemes, accounts and
     /// step control ask for the same energies, stiffnesses and measures.
