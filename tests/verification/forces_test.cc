@@ -146,25 +146,51 @@ TEST(Forces, StiffSpringsHoldABodyInAStream)
 
 
 /// A part of the step that the host forecasts is stable for springs on a body, be its nodes many or
-/// few.
+/// few, and in nodes of the fluid.
 TEST(Forces, ForecastOfTheStepKnowsSprings)
 {
-  for (const std::string rings : {"2", "4", "8"})
+  struct Example
+  {
+    std::string mesh, domain, velocity;
+  };
+  const std::string plane = R"({"cells": [8, 8], "periodic": ["x", "y"]})",
+                    space = R"({"cells": [4, 4, 4], "periodic": ["x", "y", "z"]})",
+                    wave  = R"j(["0.1*sin(2*pi*y)", 0])j",
+                    waves = R"j(["0.1*sin(2*pi*y)", 0, "0.1*cos(4*pi*x)"])j";
+  for (const Example &example :
+       {Example{R"({"disc": {"centre": [0.5, 0.5], "radius": 0.2, "rings": 2}})", plane, wave},
+        Example{R"({"disc": {"centre": [0.5, 0.5], "radius": 0.2, "rings": 8}})", plane, wave},
+        Example{R"({"rectangle": {"lower": [0.25, 0.25], "upper": [0.75, 0.75], "cells": [4, 4]}})",
+                plane,
+                wave},
+        Example{R"({"box": {"lower": [0.25, 0.25, 0.25], "upper": [0.75, 0.75, 0.75],
+                            "cells": [2, 2, 2]}})",
+                space,
+                waves},
+        Example{R"({"box": {"lower": [0.25, 0.25, 0.25], "upper": [0.75, 0.75, 0.75],
+                            "cells": [4, 4, 4]}})",
+                space,
+                waves}})
     {
-      SCOPED_TRACE(rings);
-      const std::string settings =
-        scheme_setting("midpoint") + " --set /structures/0/hyperelastic/mesh/disc/rings=" + rings +
-        " --set /time/energy_growth=100 --set " +
-        shell_quoted(R"j(/fluid/navier_stokes/initial_velocity=["0.1*sin(2*pi*y)", 0])j");
-      const std::string springs = disc(R"([{"tether": {"stiffness": 1e4}}])");
-      const double limit =
-        run_text(springs, settings + " --set /time/step=1e-4 --set /time/end=1e-4")
-          .summary["stability_limit"];
+      SCOPED_TRACE(example.mesh);
+      const std::string springs =
+        R"({ "dimension": )" + std::string(example.domain == space ? "3" : "2") +
+        R"(, "domain": )" + example.domain +
+        R"(, "fluid": { "navier_stokes": { "density": 1, "viscosity": 1e-4,
+             "initial_velocity": )" +
+        example.velocity + R"( } },
+        "structures": [ { "hyperelastic": { "name": "body", "mesh": )" +
+        example.mesh + R"(, "law": { "neo_hookean": { "shear_modulus": 1e-6 } },
+          "forces": [ { "tether": { "stiffness": 1e4 } } ] } } ],
+        "time": { "step": 1e-4, "end": 1e-4, "energy_growth": 100,
+          "integrator": { "midpoint": {} } },
+        "output": [ { "ledger_csv": {} } ] })";
+      const double limit = run_text(springs).summary["stability_limit"];
       EXPECT_LT(limit, .02);
       const auto largest_energy = [&](const double part) {
         const std::vector<double> energy =
           run_text(springs,
-                   settings + " --set /time/step=" + std::to_string(part * limit) +
+                   "--set /time/step=" + std::to_string(part * limit) +
                      " --set /time/end=" + std::to_string(part * limit * 80))
             .ledger.at("total_energy");
         return *std::max_element(energy.begin() + 40, energy.end()) / energy[0];

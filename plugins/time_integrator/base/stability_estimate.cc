@@ -93,10 +93,10 @@ namespace feib
       return body == Body::thick ? rho : PI * rho / (k * worst(std::atan(T), T - std::atan(T)));
     };
     // Nodes of a body that are few beside the fluid's concentrate their springs on motions that
-    // peak there and move little fluid. Calibrated in two dimensions, by bisection (README of
-    // tether).
+    // peak there and move little fluid, the most where they lie in nodes of the fluid. Calibrated
+    // there by bisection (README of tether).
     const double peak =
-      body == Body::thick ? 1 + std::pow(4.1 * scales.node_size / h_x, scales.dim) : 1;
+      body == Body::thick ? 1 + std::pow(5.3 * scales.node_size / h_x, scales.dim) : 1;
     const auto resists = [&](const double k, const double dt) {
       const double stiffness =
         scales.spatial_kappa * k * k + scales.nodal * peak + scales.bending * k * k * k * k;
