@@ -131,20 +131,24 @@ namespace
   }
 
 
-  /// Started without mpirun, Open MPI would start a daemon first, for processes that never come.
-  /// Without one, all programs share a folder for their temporary files, which whichever ends first
-  /// removes, and the others can open no file: each gets its own, which Open MPI removes as well.
+  /// For a program started without mpirun. Open MPI would start a daemon first, for processes that
+  /// never come, and look for a quarter of a second for networks to them. Without a daemon all
+  /// programs share a folder for their temporary files, which whichever ends first removes, and the
+  /// others can open no file: each gets its own, which Open MPI removes as well.
   void
   stand_alone()
   {
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-    std::error_code none;
+    if (getenv("PMIX_RANK") != nullptr || getenv("PMI_RANK") != nullptr)
+      return;
+    setenv("OMPI_MCA_pml", "ob1", 0);
+    std::error_code problem;
+    const std::filesystem::path folder = std::filesystem::temp_directory_path(problem);
     std::random_device random;
     std::ostringstream name;
     name << "feib-host." << getpid() << '.' << std::hex << random() << random();
-    setenv("OMPI_MCA_orte_top_session_dir",
-           (std::filesystem::temp_directory_path(none) / name.str()).c_str(),
-           0);
+    if (!problem)
+      setenv("OMPI_MCA_orte_top_session_dir", (folder / name.str()).c_str(), 0);
   }
 
 
@@ -176,6 +180,19 @@ namespace
       if (!plugin.accepted)
         skipped += "  " + plugin.file + ": " + plugin.reason + "\n";
     return text.str() + (skipped.empty() ? "" : "Skipped:\n" + skipped);
+  }
+
+
+  /// Takes the folder of the results for this process. Throws Error where that must not be.
+  void
+  claim(const CommandLine &command)
+  {
+    const std::string problem = on_rank_0([&] {
+      return command.restart.empty() ? output_folder::refusal(command.output, command.overwrite)
+                                     : output_folder::claim(command.output);
+    });
+    if (!problem.empty())
+      throw Error(problem);
   }
 
 
@@ -304,16 +321,19 @@ namespace
       const std::map<std::string, std::string> &versions,
       const std::string &checkpoint)
   {
-    running                   = 1;
-    const std::string problem = on_rank_0([&] {
-      return output_folder::prepare(command.output, description.resolved(), !checkpoint.empty());
-    });
-    if (!problem.empty())
-      throw RunFailure(problem);
-    log::open_file(command.output + "/log.txt", !checkpoint.empty());
-    log::info("Feib " + version() + ", " +
-              (checkpoint.empty() ? command.case_file : "from " + checkpoint) + ", results in " +
-              command.output);
+    running            = 1;
+    const bool goes_on = !checkpoint.empty();
+    const auto or_fail = [](const std::string &problem) {
+      if (!problem.empty())
+        throw RunFailure(problem);
+    };
+    or_fail(on_rank_0([&] { return output_folder::make(command.output); }));
+    claim(command); // as another may have made it meanwhile
+    or_fail(on_rank_0(
+      [&] { return output_folder::begin(command.output, description.resolved(), goes_on); }));
+    log::open_file(command.output + "/log.txt", goes_on);
+    log::info("Feib " + version() + ", " + (goes_on ? "from " + checkpoint : command.case_file) +
+              ", results in " + command.output);
     try
       {
         return simulation.run({command.output, show, requested, versions, checkpoint});
@@ -426,13 +446,7 @@ namespace
       return write_new_plugin(command.new_plugin, registry);
 
     if (!command.validate)
-      if (const std::string problem = on_rank_0([&] {
-            return command.restart.empty()
-                     ? output_folder::refusal(command.output, command.overwrite)
-                     : output_folder::claim(command.output);
-          });
-          !problem.empty())
-        throw Error(problem);
+      claim(command);
 
     CheckpointInfo checkpoint;
     if (!command.restart.empty())
@@ -470,8 +484,7 @@ int
 main(int argc, char **argv)
 {
   handle_signals();
-  if (getenv("PMIX_RANK") == nullptr && getenv("PMI_RANK") == nullptr)
-    stand_alone();
+  stand_alone();
   // The libraries underneath have options of their own with the same names: they get to see none.
   int only_the_name = 1;
   dealii::Utilities::MPI::MPI_InitFinalize mpi(only_the_name, argv, 1);

@@ -51,14 +51,18 @@ namespace feib::output_folder
 
 
   std::string
-  prepare(const std::string &directory, const std::string &resolved, const bool goes_on)
+  make(const std::string &directory)
   {
     std::error_code error;
     fs::create_directories(directory, error);
-    if (error)
-      return "cannot make the folder " + directory + ": " + error.message();
-    if (const std::string problem = claim(directory); !problem.empty())
-      return problem;
+    return error ? "cannot make the folder " + directory + ": " + error.message() : "";
+  }
+
+
+  std::string
+  begin(const std::string &directory, const std::string &resolved, const bool goes_on)
+  {
+    std::error_code error;
     // The summary of an earlier run would speak for this one until its end.
     fs::remove(fs::path(directory) / "summary.json", error);
     // So would its checkpoints.

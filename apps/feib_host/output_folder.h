@@ -16,9 +16,11 @@ namespace feib::output_folder
   /// the file system has no locks nobody is kept out.
   std::string claim(const std::string &directory);
 
-  /// Makes and claims the folder and puts the exact run there. @p goes_on: with the run whose files
-  /// are there.
-  std::string prepare(const std::string &directory, const std::string &resolved, bool goes_on);
+  /// Makes the folder.
+  std::string make(const std::string &directory);
+
+  /// Puts the exact run into the folder. @p goes_on: with the run whose files are there.
+  std::string begin(const std::string &directory, const std::string &resolved, bool goes_on);
 } // namespace feib::output_folder
 
 #endif

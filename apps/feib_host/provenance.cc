@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "provenance.h"
 
-#include <feib/error.h>
-#include <feib/text_file.h>
 #include <feib/version.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <boost/crc.hpp>
+#include <boost/serialization/map.hpp>
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
-#include <set>
+#include <fstream>
 #include <sstream>
 
 namespace feib
@@ -18,34 +19,30 @@ namespace feib
   {
     using Json = nlohmann::json;
 
+    /// Of the files named at and below a pointer those that can be read, with their checksums.
     void
-    add_files(const Json &value, std::set<std::string> &files)
+    add_files(const Json &value,
+              const std::string &pointer,
+              const std::filesystem::path &folder,
+              std::map<std::string, std::string> &files)
     {
-      if (value.is_object())
-        if (const auto file = value.find("file"); file != value.end() && file->is_string())
-          files.insert(file->get<std::string>());
-      if (value.is_structured())
-        for (const Json &part : value)
-          add_files(part, files);
-    }
-
-
-    std::string
-    checksum(const std::string &file)
-    {
-      try
-        {
-          const std::string bytes = read_text_file(file, file, true);
-          boost::crc_32_type crc;
-          crc.process_bytes(bytes.data(), bytes.size());
-          std::ostringstream text;
-          text << "of checksum " << std::hex << crc.checksum();
-          return text.str();
-        }
-      catch (const Error &)
-        {
-          return "that cannot be read";
-        }
+      if (!value.is_structured() || pointer == "/output")
+        return;
+      for (const auto &[key, part] : value.items())
+        if (key == "file" && part.is_string())
+          {
+            std::ifstream stream(folder / part.get<std::string>(), std::ios::binary);
+            std::ostringstream text;
+            if (stream && text << stream.rdbuf())
+              {
+                const std::string bytes = text.str();
+                boost::crc_32_type crc;
+                crc.process_bytes(bytes.data(), bytes.size());
+                files[pointer + "/" + key] = std::to_string(crc.checksum());
+              }
+          }
+        else
+          add_files(part, pointer + "/" + key, folder, files);
     }
   } // namespace
 
@@ -62,11 +59,10 @@ namespace feib
               text.find("\"" + component.substr(component.find('/') + 1) + "\":") !=
                 std::string::npos)
             result["the plugin " + plugin.plugin] = plugin.version;
-    const std::filesystem::path folder = description.parameters().directory();
-    std::set<std::string> files;
-    add_files(Json::parse(text), files);
-    for (const std::string &file : files)
-      result["the file " + file] = checksum((folder / file).string());
+    std::map<std::string, std::string> files;
+    if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      add_files(Json::parse(text), "", description.parameters().directory(), files);
+    result.merge(dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, files));
     return result;
   }
 } // namespace feib

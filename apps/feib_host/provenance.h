@@ -11,8 +11,8 @@
 namespace feib
 {
   /// What a case computes depends on, beside its text: the versions of Feib and of the plugins it
-  /// uses, and the checksums of the files it names with the key "file". The same on all ranks;
-  /// collective.
+  /// uses, by name, and the checksums of the files it names with a key "file", by their pointers;
+  /// for outputs neither. The same on all ranks; collective.
   std::map<std::string, std::string> provenance(const PluginLoader &loader,
                                                 const Case &description);
 } // namespace feib

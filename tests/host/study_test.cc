@@ -258,12 +258,12 @@ TEST_F(StudyRuns, AnInterruptedStudyGoesOnWhereItWas)
            end + " } } ] } ] }";
   };
   folder.write("study.json", text("1e4"));
-  const RunResult interrupted =
-    run_command(command +
-                  " study.json --output out --jobs 1 & pid=$!; "
-                  "until [ -e out/runs/run=long/log.txt ]; do kill -0 $pid || exit 99; done; "
-                  "kill -TERM $pid; wait $pid",
-                folder.path.string());
+  const RunResult interrupted = run_command(
+    command +
+      " study.json --output out --jobs 1 & pid=$!; "
+      "until ls out/runs/run=long/log.txt >/dev/null 2>&1; do kill -0 $pid || exit 99; done; "
+      "kill -TERM $pid; wait $pid",
+    folder.path.string());
   EXPECT_EQ(interrupted.exit_code, 1) << interrupted.output;
   EXPECT_TRUE(holds(interrupted.output, "[1/2] run=short: completed")) << interrupted.output;
   EXPECT_TRUE(
@@ -289,8 +289,8 @@ TEST_F(StudyRuns, ARunThatIsKilledIsNoResult)
   const std::string log = "out/runs/end=10000/log.txt";
   // The log names no process: the only child of the study is the run.
   const RunResult result =
-    run_command(command + " study.json --output out & pid=$!; until [ -e " + log +
-                  " ]; do kill -0 $pid || exit 99; done; "
+    run_command(command + " study.json --output out & pid=$!; until ls " + log +
+                  " >/dev/null 2>\&1; do kill -0 $pid || exit 99; done; "
                   "kill -KILL $(cat /proc/$pid/task/$pid/children); wait $pid",
                 folder.path.string());
   EXPECT_EQ(result.exit_code, 1);

@@ -20,6 +20,7 @@ TEST(FluidSolverKitItself, NamesWrongSteps)
   expect_named(check_step<3>, "slips", "values on walls");
   expect_named(check_step<2>, "leaks", "relative_divergence");
   expect_named(check_step<2>, "moves what is old", "must leave space.old_velocity");
+  expect_named(check_beyond<2>, "knows no beyond", "values on walls after");
   expect_named(check_rest<2>, "gives way", "a gradient moves fluid");
   expect_named(check_rest<2>, "other pressure", "the pressure of find_pressure()");
 }

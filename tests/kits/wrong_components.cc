@@ -125,6 +125,8 @@ namespace
       typename Base::Step taken = step;
       if (fault == "ignores implicit loads")
         taken.implicit_load = nullptr;
+      if (fault == "knows no beyond")
+        taken.beyond = 0;
       auto report = right->advance(space, taken);
       if (fault == "dissipates more")
         report.dissipation *= 1.01;

@@ -254,19 +254,22 @@ namespace feib
     double volume          = 1;
     for (unsigned int a = 0; a < dim; ++a)
       volume *= size[a];
-    const double velocity = ledger.last("largest_velocity");
-    // Where nothing has moved by more than round-off, forces are round-off.
-    if (velocity * time < 1e-9 * size.norm())
+    largest_velocity = std::max(largest_velocity, ledger.last("largest_velocity"));
+    // Where nothing has ever moved by more than round-off, forces are round-off.
+    if (largest_velocity * time < 1e-9 * size.norm())
       return;
-    const double momentum = components.fluid->density() * volume * velocity;
-    swings.add(ledger, 1e-6 * momentum / ledger.last("dt"));
+    // Of the momentum of the fluid a solver leaves some, and of the forces that cancel, round-off.
+    const double momentum = components.fluid->density() * volume * largest_velocity,
+                 energy   = std::abs(ledger.last("kinetic")) + std::abs(ledger.last("elastic")) +
+                          std::abs(ledger.last("potential"));
+    swings.add(ledger, std::max(1e-8 * momentum / ledger.last("dt"), 1e-10 * energy / size.norm()));
     const auto [part, name] = swings.worst();
     if (part == 0)
       return;
     std::ostringstream text;
     text
       << std::setprecision(2) << "the force of \"" << name << "\" swings within a few steps by "
-      << 100 * part << " % of what it is, which steps of " << ledger.last("dt")
+      << std::lround(100 * part) << " % of what it is, which steps of " << ledger.last("dt")
       << " do not follow: its means over time hold, its values do not. Springs, a law or "
          "boundary values ask for too much: shorter steps may follow; targets and boundary "
          "values that change smoothly, dampers of half a step times the stiffness, or the scheme "

@@ -3,8 +3,8 @@
 #define feib_judge_h
 
 #include "accounts.h"
-#include "swing_check.h"
 #include "energy_check.h"
+#include "swing_check.h"
 #include "verdict.h"
 
 #include <optional>
@@ -73,6 +73,7 @@ namespace feib
     {
       archive("verdict", verdict);
       archive("swings", swings);
+      archive("largest_velocity", largest_velocity);
       archive("calm_limit", calm_limit);
     }
 
@@ -96,7 +97,8 @@ namespace feib
     std::optional<EnergyCheck<dim>> energies; // from the initial state on
     std::vector<double> initial_measures;     // of each structure
     SwingCheck swings;
-    double calm_limit = 0; // of the step, when energy last did not grow
+    double largest_velocity = 0; // so far
+    double calm_limit       = 0; // of the step, when energy last did not grow
   };
 } // namespace feib
 

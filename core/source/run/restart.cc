@@ -91,7 +91,13 @@ namespace feib
     for (const auto &[name, version] : versions)
       {
         const auto now = present.find(name);
-        if (now == present.end() || now->second != version)
+        if (name[0] == '/') // a file, of which it is said elsewhere when it is not there
+          {
+            if (now != present.end() && now->second != version)
+              issues.push_back(
+                {name, "names a file that has changed since " + folder + " was written"});
+          }
+        else if (now == present.end() || now->second != version)
           issues.push_back(
             {"",
              "the checkpoint " + folder + " was written with " + name + " " + version +

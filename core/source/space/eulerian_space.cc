@@ -46,7 +46,6 @@ namespace feib
         }
       return dealii::Utilities::MPI::sum(sum, communicator);
     }
-
   } // namespace
 
 

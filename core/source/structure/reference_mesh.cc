@@ -99,8 +99,10 @@ namespace feib
     {
       LagrangianMesh<dim> mesh = make_reference_mesh<dim>(block.child("mesh"), structure_dim);
       double longest           = block.number("longest_edge");
-      if (block.string("unit") == "cells" && block.cell_edge() > 0)
+      if (block.string("unit") == "cells")
         longest *= block.cell_edge();
+      if (longest == 0) // without a fluid, or with one whose faults are told
+        return mesh;
       const auto halvings = [&] {
         double diameter = 0;
         for (const auto &element : mesh.elements())

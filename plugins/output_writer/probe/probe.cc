@@ -236,7 +236,6 @@ namespace
     dealii::Utilities::MPI::sum(result, space.communicator(), result);
     return result;
   }
-
 } // namespace
 
 

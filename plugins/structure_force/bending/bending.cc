@@ -103,6 +103,33 @@ namespace feib
       return {face.elements[which], face.opposite[which]};
     }
 
+    /// By how many whole periods the nodes of one end are away from those of another, which must be
+    /// the same for all; zero: they are not each other's images.
+    static Shift
+    shift_between(const Body &body, const Face &one, const Face &other)
+    {
+      constexpr double near            = 1e-6; // of the box
+      const dealii::Tensor<1, dim> box = body.domain.upper - body.domain.lower;
+      const Positions<dim> &X          = body.positions;
+      for (unsigned int j = 0; j + 1 < dim; ++j)
+        {
+          Shift shift = X[one.nodes[j]] - X[other.nodes[0]];
+          for (unsigned int a = 0; a < dim; ++a)
+            shift[a] = body.domain.periodic(a) ? box[a] * std::round(shift[a] / box[a]) : 0.;
+          const auto is_image = [&](const unsigned int i) {
+            return std::any_of(one.nodes.begin(),
+                               one.nodes.begin() + dim - 1,
+                               [&](const unsigned int k) {
+                                 return X[k].distance(X[i] + shift) < near * box.norm();
+                               });
+          };
+          if (shift.norm() > 0 &&
+              std::all_of(other.nodes.begin(), other.nodes.begin() + dim - 1, is_image))
+            return shift;
+        }
+      return {};
+    }
+
     /// The ends of a structure that are images of each other.
     void
     add_seams(const Body &body, const dealii::Function<dim> &curvature)
@@ -110,7 +137,7 @@ namespace feib
       using Nodes = std::array<unsigned int, dim - 1>;
       const std::vector<unsigned int> images =
         periodic_images(body.domain, body.mesh, body.positions);
-      std::map<Nodes, const Face *> ends;
+      std::map<Nodes, std::vector<const Face *>> ends; // that wait for their images
       for (const Face &face : body.mesh.faces())
         if (face.at_boundary())
           {
@@ -118,19 +145,20 @@ namespace feib
             for (unsigned int k = 0; k + 1 < dim; ++k)
               nodes[k] = images[face.nodes[k]];
             std::sort(nodes.begin(), nodes.end());
-            const auto [other, is_new] = ends.try_emplace(nodes, &face);
-            if (is_new)
-              continue;
-            unsigned int j = 0; // the node of the other end that is an image of the first
-            while (images[other->second->nodes[j]] != images[face.nodes[0]])
-              ++j;
-            Shift shift = body.positions[other->second->nodes[j]] - body.positions[face.nodes[0]];
-            for (unsigned int a = 0; a < dim; ++a)
+            std::vector<const Face *> &waiting = ends[nodes];
+            Shift shift;
+            const auto other =
+              std::find_if(waiting.begin(), waiting.end(), [&](const Face *const end) {
+                shift = shift_between(body, *end, face);
+                return shift.norm() > 0;
+              });
+            if (other == waiting.end())
               {
-                const double period = body.domain.upper[a] - body.domain.lower[a];
-                shift[a]            = period * std::round(shift[a] / period);
+                waiting.push_back(&face);
+                continue;
               }
-            add_stencil(body.mesh, side(*other->second, 0), side(face, 0), shift, curvature);
+            add_stencil(body.mesh, side(**other, 0), side(face, 0), shift, curvature);
+            waiting.erase(other);
           }
     }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include <feib/testing/fields.h>
 #include <feib/testing/structure_force_kit.h>
 
 #include <deal.II/base/numbers.h>
@@ -11,17 +12,19 @@ namespace
   using dealii::numbers::PI;
   using feib::testing::registry;
 
-  /// The energy of bending of a membrane as it starts.
+  /// The energy of bending of a membrane as it starts, in a box that is periodic in @p directions.
   template <int dim>
   double
-  energy(const std::string &mesh, const std::string &bending)
+  energy(const std::string &mesh, const std::string &bending, const std::string &directions = "")
   {
     const auto model = registry().create<StructureModel<dim>>(
       "membrane",
       R"({"name": "s", "law": {"neo_hookean": {"shear_modulus": 1}}, "mesh": )" + mesh + "}");
     const auto force = registry().create<StructureForce<dim>>("bending", bending);
-    const auto box   = feib::testing::unit_box<dim>();
-    force->attach({model->mesh(), model->positions, {}, {0.}, box});
+    const auto space = feib::testing::make_space<dim>(std::string(R"({"cells": )") +
+                                                      (dim == 2 ? "[4, 4]" : "[4, 4, 4]") +
+                                                      R"(, "periodic": [)" + directions + "]}");
+    force->attach({model->mesh(), model->positions, {}, {0.}, space->domain()});
     return force->energy(model->positions);
   }
 
@@ -95,6 +98,49 @@ TEST(Bending, EnergyOfASphere)
   EXPECT_LT(sphere(3, R"({"rigidity": 1, "curvature": 4})"), .02 * exact);
   EXPECT_GT(sphere(3, R"({"rigidity": 1, "curvature": -4})"), 3 * exact);
   EXPECT_LT(sphere(3, R"({"rigidity": 1, "initial_shape": true})"), 1e-20);
+}
+
+
+/// What goes on as its image is bent there as elsewhere, be it of one element only; rims are not.
+TEST(Bending, SeamsOfAPeriodicBox)
+{
+  const auto sheet = [](const std::string &cells, const std::string &y) {
+    return energy<3>(R"({"rectangle": {"upper": [1, 0, 1], "cells": )" + cells +
+                       R"(}}, "initial_position": ["s1", ")" + y + R"(", "s3"])",
+                     R"({"rigidity": 2})",
+                     R"("x", "z")");
+  };
+  const auto along = [](const std::string &s, const std::string &begin) {
+    return "0.5 + 0.05*sin(2*pi*(" + s + " + " + begin + "))";
+  };
+  for (const std::string cells : {"[1, 1]", "[1, 3]", "[2, 2]", "[2, 3]", "[3, 2]", "[4, 4]"})
+    EXPECT_EQ(sheet(cells, "0.5"), 0) << cells;
+  for (const auto &[cells, s] : {std::pair{"[1, 16]", "s3"},
+                                 std::pair{"[2, 16]", "s3"},
+                                 std::pair{"[3, 16]", "s3"},
+                                 std::pair{"[16, 2]", "s1"}})
+    {
+      const double whole = sheet(cells, along(s, "0"));
+      EXPECT_GT(whole, .1) << cells;
+      EXPECT_NEAR(sheet(cells, along(s, "0.25")), whole, 1e-12 * whole) << cells;
+    }
+  // A strip whose rims are free has no more than what lies between them.
+  const std::string rim = R"j({"rectangle": {"upper": [1, 0, 0.5], "cells": [2, 3]}},
+    "initial_position": ["s1", "0.5 + 0.05*cos(2*pi*s1)", "s3"])j";
+  EXPECT_TRUE(std::isfinite(energy<3>(rim, R"({"rigidity": 2})", R"("x")")));
+
+  const auto curve = [](const unsigned int elements, const std::string &begin) {
+    return energy<2>(R"({"open_curve": {"length": 1, "elements": )" + std::to_string(elements) +
+                       R"j(}}, "initial_position": ["s1", "0.5 + 0.05*sin(2*pi*(s1 + )j" + begin +
+                       R"j())"])j",
+                     R"({"rigidity": 2})",
+                     R"("x")");
+  };
+  EXPECT_NEAR(curve(16, "0.25"), curve(16, "0"), 1e-12 * curve(16, "0"));
+  // B/2 int y''^2 dx, to second order, where a seam left out would be an error of the first.
+  const double exact = 1. * std::pow(.05 * 4 * PI * PI, 2) / 2;
+  EXPECT_NEAR(curve(64, "0.25") / exact, 1, .15);
+  EXPECT_EQ(curve(1, "0"), 0);
 }
 
 
