@@ -31,9 +31,13 @@ namespace feib
       for (const auto &[key, part] : value.items())
         if (key == "file" && part.is_string())
           {
-            std::ifstream stream(folder / part.get<std::string>(), std::ios::binary);
+            const std::filesystem::path file = folder / part.get<std::string>();
+            std::error_code none;
+            std::ifstream stream;
+            if (std::filesystem::is_regular_file(file, none)) // others may never end
+              stream.open(file, std::ios::binary);
             std::ostringstream text;
-            if (stream && text << stream.rdbuf())
+            if (stream.is_open() && text << stream.rdbuf())
               {
                 const std::string bytes = text.str();
                 boost::crc_32_type crc;
