@@ -218,12 +218,13 @@ namespace feib
   Accounts<dim>::add_axes(Ledger::Row &row, const StructureModel<dim> &model)
   {
     // Directions of axes are not written: where two are alike they depend on round-off.
-    const auto moments   = model.second_moments(model.positions);
-    const auto axes_of   = eigenvalues(moments); // the largest first
+    const auto moments = model.second_moments(model.positions);
+    // By rotations: the closed formula of deal.II loses eigenvalues that are nearly the same.
+    const auto axes_of   = eigenvectors(moments, dealii::SymmetricTensorEigenvectorMethod::jacobi);
     const unsigned int m = model.mesh().closed() ? dim : model.mesh().structure_dim();
     for (unsigned int k = 0; k < dim; ++k)
       row.emplace_back("axis_" + std::to_string(k + 1) + "_" + model.name(),
-                       std::sqrt(std::max(0., (m + 2) * axes_of[k])));
+                       std::sqrt(std::max(0., (m + 2) * axes_of[k].first)));
     for (unsigned int a = 0; a < dim; ++a)
       for (unsigned int b = a; b < dim; ++b)
         row.emplace_back(std::string("moment_") + axes[a] + axes[b] + "_" + model.name(),
