@@ -11,7 +11,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <memory>
 
@@ -21,6 +23,8 @@ namespace feib
 {
   namespace
   {
+    namespace fs = std::filesystem;
+
     using File = std::unique_ptr<std::FILE, int (*)(std::FILE *)>;
 
     struct Running
@@ -83,13 +87,52 @@ namespace feib
     };
 
 
+    /// Where MPI keeps temporary files. Programs of Open MPI 4 that share a folder, as they do
+    /// unless told otherwise, remove it when they end, under the hands of those that are starting:
+    /// each has one of its own, and all are gone with this object.
+    class SessionFolders
+    {
+    public:
+      SessionFolders()
+      {
+        std::error_code problem;
+        std::string name = (fs::temp_directory_path(problem) / "feib-study-XXXXXX").string();
+        if (!problem && mkdtemp(name.data()) != nullptr)
+          parent = name;
+      }
+
+      ~SessionFolders()
+      {
+        std::error_code ignored;
+        if (!parent.empty())
+          fs::remove_all(parent, ignored);
+      }
+
+      SessionFolders(const SessionFolders &)            = delete;
+      SessionFolders &operator=(const SessionFolders &) = delete;
+
+      /// A path that was not given before, for MPI to make; empty where nothing can be written.
+      std::string
+      next()
+      {
+        return parent.empty() ? "" : (parent / std::to_string(n_given++)).string();
+      }
+
+    private:
+      fs::path parent;
+      unsigned int n_given = 0;
+    };
+
+
     /// The environment of a program that is not under MPI, whoever started this one; and several
     /// programs under mpiexec at once must not be bound to the same cores.
     std::vector<std::string>
-    environment()
+    environment(const std::string &session_folder)
     {
       std::vector<std::string> variables = {"OMPI_MCA_hwloc_base_binding_policy=none",
                                             "OMPI_MCA_rmaps_base_oversubscribe=1"};
+      if (!session_folder.empty())
+        variables.push_back("OMPI_MCA_orte_top_session_dir=" + session_folder);
       for (char **variable = environ; *variable != nullptr; ++variable)
         {
           const std::string text = *variable;
@@ -130,7 +173,7 @@ namespace feib
 
 
     pid_t
-    start(Running &running, const sigset_t &mask)
+    start(Running &running, const std::string &session_folder, const sigset_t &mask)
     {
       Process &process = running.process;
       running.output   = process.output_file.empty()
@@ -153,7 +196,7 @@ namespace feib
       // second time, which would end feib-host before it has written its last state.
       posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
 
-      std::vector<std::string> variables = environment();
+      std::vector<std::string> variables = environment(session_folder);
       pid_t pid                          = 0;
       const int problem                  = posix_spawnp(&pid,
                                        process.command[0].c_str(),
@@ -194,6 +237,7 @@ namespace feib
   ProcessQueue::run(const unsigned int n)
   {
     const Signals signals;
+    SessionFolders session_folders;
     std::map<pid_t, Running> running;
     int received = 0;
     try
@@ -204,7 +248,7 @@ namespace feib
               {
                 Running next{std::move(waiting.front()), File(nullptr, std::fclose)};
                 waiting.pop_front();
-                const pid_t pid = start(next, signals.mask_before);
+                const pid_t pid = start(next, session_folders.next(), signals.mask_before);
                 running.emplace(pid, std::move(next));
               }
 

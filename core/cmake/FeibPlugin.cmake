@@ -139,8 +139,12 @@ function(feib_test_on_ranks program ranks)
     list(APPEND labels slow)
   endif()
   add_test(NAME ${test} COMMAND ${command})
+  # A test has temporary files of its own, those of MPI too: programs of Open MPI 4 that share a
+  # folder remove it when they end, under the hands of those that are starting.
+  set(temporary ${CMAKE_CURRENT_BINARY_DIR}/${test}.tmp)
+  file(MAKE_DIRECTORY ${temporary})
   # All ranks are on one machine, where Open MPI 5 complains of networks it does not need.
-  set(environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_hwloc_base_binding_policy=none
+  set(environment TMPDIR=${temporary} OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_hwloc_base_binding_policy=none
     OMPI_MCA_btl=^tcp)
   if(FEIB_TEMPLATE OR NOT TARGET feib_core) # Feib finds its own
     list(APPEND environment FEIB_PLUGIN_PATH=${FEIB_PLUGIN_OUTPUT_DIRECTORY})

@@ -312,6 +312,22 @@ TEST_F(StudyRuns, RunsOnSeveralRanksEvenUnderMpi)
   EXPECT_EQ(summary("dt=0.1")["ranks"], 2);
 }
 
+TEST_F(StudyRuns, RunsShareNoFolderOfMpi)
+{
+  // A file stands where programs of Open MPI 4 have their common folder: whoever needs it fails.
+  fs::create_directory(folder / "tmp");
+  folder.write("study.json", R"({ "case": "case.json", "ranks": 2, "set": { "/output": [] },
+  "axes": [ { "name": "dt", "pointer": "/time/step", "values": [ 0.1, 0.05 ] } ] })");
+  const RunResult result =
+    run_command("export TMPDIR=$PWD/tmp; touch tmp/ompi.$(hostname).$(id -u); " + command +
+                  " study.json --output out --jobs 2",
+                folder.path.string());
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(summary("dt=0.1")["status"], "completed");
+  EXPECT_EQ(summary("dt=0.05")["status"], "completed");
+  EXPECT_EQ(run_command("ls tmp | grep -v '^ompi'", folder.path.string()).output, "");
+}
+
 TEST_F(StudyInput, MistakesAreAnsweredWithTheirPlaces)
 {
   refused(R"({ "case": "case.json", "tittle": "",
