@@ -203,7 +203,7 @@ namespace
     if (!parameters.has("initial_state"))
       return;
     const Parameters block = parameters.child("initial_state");
-    const auto run         = std::filesystem::path(parameters.directory()) / block.string("run");
+    const std::string run  = block.path("run");
     const std::string same = on_rank_0([&] {
       std::error_code none;
       return std::string(std::filesystem::equivalent(run, directory, none) ? "same" : "");
@@ -450,7 +450,7 @@ namespace
 
     CheckpointInfo checkpoint;
     if (!command.restart.empty())
-      checkpoint = CheckpointInfo::newest(command.restart);
+      checkpoint = CheckpointInfo::newest(command.restart, MPI_COMM_WORLD);
     const bool goes_on     = !checkpoint.folder.empty();
     const std::string name = goes_on ? command.restart + "/resolved.json" : command.case_file;
     const std::string text = goes_on ? checkpoint.case_text : Case::read(command.case_file);
@@ -466,7 +466,7 @@ namespace
           checkpoint.check(*description, used);
         if (!goes_on && !command.validate)
           check_beginning(description->parameters(), command.output);
-        simulation = Simulation::create(*description);
+        simulation = Simulation::create(*description, goes_on);
       }
     catch (const Error &error)
       {

@@ -11,7 +11,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <vector>
 
 namespace feib
 {
@@ -36,14 +36,12 @@ namespace feib
             std::ifstream stream;
             if (std::filesystem::is_regular_file(file, none)) // others may never end
               stream.open(file, std::ios::binary);
-            std::ostringstream text;
-            if (stream.is_open() && text << stream.rdbuf())
-              {
-                const std::string bytes = text.str();
-                boost::crc_32_type crc;
-                crc.process_bytes(bytes.data(), bytes.size());
-                files[pointer + "/" + key] = std::to_string(crc.checksum());
-              }
+            boost::crc_32_type crc;
+            std::vector<char> piece(1 << 16);
+            while (stream.read(piece.data(), piece.size()) || stream.gcount() > 0)
+              crc.process_bytes(piece.data(), stream.gcount());
+            if (stream.is_open() && stream.eof()) // all was read
+              files[pointer + "/" + key] = std::to_string(crc.checksum());
           }
         else
           add_files(part, pointer + "/" + key, folder, files);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "command_line.h"
 
+#include "../program_options.h"
+
 #include <feib/error.h>
 
 #include <boost/program_options.hpp>
@@ -50,30 +52,7 @@ namespace feib
 
   StudyCommandLine::StudyCommandLine(const int argc, const char *const *argv)
   {
-    po::variables_map values;
-    try
-      {
-        po::options_description all = options();
-        all.add_options()("study", po::value<std::vector<std::string>>());
-        po::positional_options_description positional;
-        positional.add("study", -1);
-        po::store(po::command_line_parser(argc, argv)
-                    .options(all)
-                    .positional(positional)
-                    .style(po::command_line_style::allow_long |
-                           po::command_line_style::long_allow_adjacent |
-                           po::command_line_style::long_allow_next)
-                    .run(),
-                  values);
-      }
-    catch (const po::unknown_option &failure)
-      {
-        throw Error("unknown option " + failure.get_option_name() + "; see feib-study --help");
-      }
-    catch (const po::error &failure)
-      {
-        throw Error(std::string(failure.what()) + "; see feib-study --help");
-      }
+    const po::variables_map values = parse_options(argc, argv, options(), "study", "feib-study");
 
     validate  = values.count("validate") != 0;
     version   = values.count("version") != 0;

@@ -4,8 +4,6 @@
 #include "mesh_writers.h"
 
 #include <filesystem>
-#include <functional>
-#include <sstream>
 
 #include <sys/stat.h>
 

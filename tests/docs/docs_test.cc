@@ -54,6 +54,30 @@ namespace
       }
     return found;
   }
+
+  /// What links into a page may name: its headings in small letters, without marks, blanks as
+  /// hyphens.
+  std::set<std::string>
+  anchors(const fs::path &page)
+  {
+    std::set<std::string> result;
+    bool code = false;
+    std::string line;
+    for (std::istringstream text(read_file(page)); std::getline(text, line);)
+      {
+        code = code != (line.rfind("```", 0) == 0);
+        if (code || line.rfind("#", 0) != 0)
+          continue;
+        std::string name;
+        for (const unsigned char c : line.substr(std::min(line.find(' '), line.size() - 1) + 1))
+          if (std::isalnum(c) || c == '-' || c == '_' || c >= 0x80)
+            name += std::tolower(c);
+          else if (c == ' ')
+            name += '-';
+        result.insert(name);
+      }
+    return result;
+  }
 } // namespace
 
 TEST(Docs, TheCommittedSchemaIsCurrent)
@@ -97,17 +121,57 @@ TEST(Docs, OptionsOfTheHostExist)
   EXPECT_GE(named.size(), 6u);
 }
 
-TEST(Docs, LinkedFilesExist)
+TEST(Docs, LinkedFilesAndSectionsExist)
 {
-  const std::regex link("\\]\\(([^)#:]+)(?:#[^)]*)?\\)");
-  unsigned int n = 0;
+  const std::regex link("\\]\\(([^):]+)\\)");
+  unsigned int n = 0, n_sections = 0;
   for (const fs::path &page : pages())
     for (const std::string &target : matches(read_file(page), link))
       {
-        EXPECT_TRUE(fs::exists(page.parent_path() / target)) << page << ": " << target;
+        const std::size_t hash = target.find('#');
+        const fs::path file    = hash == 0 ? page : page.parent_path() / target.substr(0, hash);
+        EXPECT_TRUE(fs::exists(file)) << page << ": " << target;
         ++n;
+        if (hash != std::string::npos && file.extension() == ".md")
+          {
+            EXPECT_EQ(anchors(file).count(target.substr(hash + 1)), 1u) << page << ": " << target;
+            ++n_sections;
+          }
       }
-  EXPECT_GE(n, 10u);
+  EXPECT_GE(n, 100u);
+  EXPECT_GE(n_sections, 20u);
+}
+
+TEST(Docs, TablesHaveHeads)
+{
+  // Below the first row of a table stands one of dashes; else it is no table.
+  const std::regex row("\\|[ :-].*\\|"), dashes("\\|[ :|-]*-[ :|-]*\\|");
+  unsigned int n = 0;
+  for (const fs::path &page : pages())
+    {
+      bool code = false, in_table = false;
+      std::string line, first;
+      for (std::istringstream text(read_file(page)); std::getline(text, line);)
+        {
+          code = code != (line.rfind("```", 0) == 0);
+          if (code || !std::regex_match(line, row))
+            {
+              EXPECT_TRUE(first.empty()) << page << ": " << first;
+              in_table = false;
+              first.clear();
+            }
+          else if (!first.empty())
+            {
+              EXPECT_TRUE(std::regex_match(line, dashes)) << page << ": " << first;
+              in_table = true;
+              first.clear();
+              ++n;
+            }
+          else if (!in_table)
+            first = line;
+        }
+    }
+  EXPECT_GE(n, 50u);
 }
 
 TEST(Docs, ReadmeLinksEveryPage)

@@ -469,6 +469,50 @@ namespace
   }
 
 
+  /// Whatever the first piece did, multiples of the step are hit from then on, once each.
+  TEST(Restart, AnotherControlAndEndsBesideTheMultiples)
+  {
+    const TemporaryFolder folder;
+    json document            = disc_case();
+    document["time"]["step"] = .01;
+    document["output"]       = json::parse(R"([{"ledger_csv":{}}])");
+    const auto times_after =
+      [&](const char *const first, const char *const then, const double end, const double begin) {
+        document["time"]["control"] = {{first, json::object()}};
+        const std::string name      = std::string(first) + "_" + then;
+        const std::string file      = folder.write(name + ".json", document.dump());
+        EXPECT_EQ(run_host(file + " --output " + name +
+                             " --overwrite --set /time/end=" + std::to_string(begin),
+                           1,
+                           folder.path)
+                    .exit_code,
+                  0);
+        const RunResult result =
+          run_host("--restart " + name + " --set /time/end=" + std::to_string(end) +
+                     " --set '/time/control={\"" + then + "\":{}}'",
+                   1,
+                   folder.path);
+        EXPECT_EQ(result.exit_code, 0) << result.output;
+        std::vector<double> times;
+        const Table ledger = read_table(folder / (name + "/ledger.csv"));
+        for (const std::string &time : ledger.at("time"))
+          if (std::stod(time) > begin)
+            times.push_back(std::stod(time));
+        return times;
+      };
+    const auto expect = [](const std::vector<double> &times, const std::vector<double> &expected) {
+      ASSERT_EQ(times.size(), expected.size());
+      for (unsigned int i = 0; i < times.size(); ++i)
+        EXPECT_NEAR(times[i], expected[i], 1e-14);
+    };
+    expect(times_after("adaptive", "fixed", .055, .033), {.04, .05, .055});
+    expect(times_after("fixed", "fixed", .055, .033), {.04, .05, .055});
+    expect(times_after("fixed", "fixed", .05, .03), {.04, .05});
+    const std::vector<double> adaptive = times_after("fixed", "adaptive", .055, .033);
+    EXPECT_EQ(adaptive.back(), .055);
+  }
+
+
   TEST(Restart, ADamagedCheckpointIsPassedOver)
   {
     const TemporaryFolder folder;
@@ -516,6 +560,8 @@ namespace
       {"--restart " + run + " --set /structures=[]", "/structures: found []"},
       {"--restart " + run + " --set '/time/integrator={\"midpoint\":{}}'", "/time/integrator"},
       {"--restart " + run + " --set /time/end=-1", "/time/end"},
+      {"--restart " + run + " --set /time/end=0.05",
+       "/time/end: found 0.05, and the checkpoint " + run + "/checkpoints/"},
       {"--restart " + folder.path.string(), "there is no checkpoint in"},
       {"--restart " + (folder / "nowhere"), "there is no checkpoint in"},
       {"--restart " + run + " --output " + (folder / "other"), "--output"},

@@ -311,12 +311,12 @@ namespace
     }
 
     void
-    reopen(const std::string &directory) override
+    reopen(const std::string &directory, const MPI_Comm communicator) override
     {
       reopened = true;
       if (fault == "does not miss files")
         return;
-      right->reopen(directory);
+      right->reopen(directory, communicator);
     }
 
     void

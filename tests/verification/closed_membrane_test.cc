@@ -77,6 +77,35 @@ TEST(MembraneCircle, HalfAxesAreTheRadius)
       EXPECT_NEAR(run.ledger.at(axis)[n], std::sqrt(area[n] / PI), 1e-3) << axis << " in row " << n;
 }
 
+/// A curve that crosses itself and encloses nothing: a figure of eight, and one of four segments.
+TEST(CrossedMembrane, WithoutAreaHasTheMiddleForItsCentroid)
+{
+  struct
+  {
+    std::string elements, x, y;
+  } const shapes[] = {{"64", "0.5 + 0.2*sin(s1)", "0.5 + 0.2*sin(2*s1)"},
+                      {"4", "0.5 + 0.2*(sin(s1) - cos(s1))", "0.5 - 0.1*cos(2*s1)"}};
+  for (const auto &[elements, x, y] : shapes)
+    {
+      SCOPED_TRACE(x);
+      const feib::testing::CaseRun run = feib::testing::run_text(
+        R"j({ "dimension": 2, "domain": { "cells": [8, 8] },
+            "fluid": { "navier_stokes": { "density": 1, "viscosity": 1 } },
+            "structures": [ { "membrane": { "name": "eight",
+              "mesh": { "closed_curve": { "length": 6.283185307179586, "elements": )j" +
+        elements + R"j( } }, "initial_position": [ ")j" + x + R"(", ")" + y + R"j(" ],
+              "law": { "neo_hookean": { "shear_modulus": 1e-3 } } } } ],
+            "time": { "step": 1e-3, "end": 5e-3 }, "output": [ { "ledger_csv": {} } ] })j");
+      EXPECT_FALSE(run.warned("measure"));
+      for (const char *const column : {"centroid_x_eight", "centroid_y_eight"})
+        for (const double value : run.ledger.at(column))
+          EXPECT_NEAR(value, .5, 1e-3) << column;
+      for (const char *const column : {"measure_eight", "axis_1_eight", "moment_xx_eight"})
+        EXPECT_EQ(run.ledger.at(column)[0], 0) << column;
+      EXPECT_TRUE(run.summary["structures"][0]["relative_measure_change"].is_null());
+    }
+}
+
 TEST(RelaxingEllipse, AreaLossAndEnergyLossAreOneNumber)
 {
   // Gastaldi's ellipse ends as a circle with 0.8 (1 - q) of its energy if it lost the part q of its

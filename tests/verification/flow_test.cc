@@ -332,6 +332,8 @@ TEST_F(InitialState, IsTheFlowOfTheEarlierRun)
   const CaseRun result = run("later_1", "--restart", set("time/end", "4e-5"));
   EXPECT_EQ(result.summary["steps"], 4);
   EXPECT_LT(result.summary["errors"]["velocity_l2"], 1e-9);
+  // What it began with is still said.
+  EXPECT_EQ(read_json(folder / "later_1/resolved.json")["initial_state"]["run"], "earlier");
 }
 
 

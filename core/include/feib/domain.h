@@ -47,6 +47,28 @@ namespace feib
       return i;
     }
 
+    /// The number of the condition that a node on a face at @p x keeps: where parts of the face
+    /// meet (within round_off()), of the one that wins, as where faces meet.
+    unsigned int
+    condition_at_node(const unsigned int face, const dealii::Point<dim> &x) const
+    {
+      unsigned int best = condition_at(face, x);
+      if (!conditions[first_of_face[face]].where)
+        return best;
+      for (unsigned int side = 0; side < (1 << dim); ++side)
+        {
+          dealii::Point<dim> beside = x;
+          for (unsigned int a = 0; a < dim; ++a)
+            if (a != face / 2)
+              beside[a] = side >> a & 1 ? std::min(upper[a], x[a] + round_off(lower[a], upper[a]))
+                                        : std::max(lower[a], x[a] - round_off(lower[a], upper[a]));
+          const unsigned int there = condition_at(face, beside);
+          if (conditions[there].kind < conditions[best].kind)
+            best = there;
+        }
+      return best;
+    }
+
     /// A place that is @p share of the way from lower to upper along each direction. Equal
     /// fractions give equal places, to the bit.
     dealii::Point<dim>
@@ -56,6 +78,16 @@ namespace feib
       for (unsigned int a = 0; a < dim; ++a)
         x[a] = lower[a] + (upper[a] - lower[a]) * share[a];
       return x;
+    }
+
+    /// [length^dim]
+    double
+    volume() const
+    {
+      double result = 1;
+      for (unsigned int a = 0; a < dim; ++a)
+        result *= upper[a] - lower[a];
+      return result;
     }
 
     /// Whether no fluid can cross the boundary freely, so that the pressure is known up to a

@@ -13,6 +13,11 @@
 
 namespace feib
 {
+  /// Length, area or volume of a simplex of dimension @p m, whose edges from one corner to the
+  /// others are the first m of @p edges.
+  template <int dim>
+  double simplex_measure(unsigned int m, const std::array<dealii::Tensor<1, dim>, dim> &edges);
+
   /// The reference mesh of a structure: P1 simplices of dimension m = dim or dim-1 on flat arrays.
   ///
   /// Reference coordinates have dim components whatever m is (a curve uses the first alone, a
@@ -94,6 +99,17 @@ namespace feib
     const std::vector<dealii::Point<dim>> &nodes() const;
     const std::vector<Element> &elements() const;
     const std::vector<Face> &faces() const;
+
+    /// The reference measure that each node stands for: an equal part of that of each element
+    /// around it. [length^m]
+    std::vector<double> node_measures() const;
+
+    /// The reference place of corner @p k of an element, which differs from the node's own across a
+    /// seam.
+    dealii::Point<dim> corner(const Element &element, unsigned int k) const;
+
+    /// The measure of an element whose nodes are at @p X. [length^m]
+    double measure(const Element &element, const Positions<dim> &X) const;
 
     /// For messages: the number of node @p i in the file it comes from, or i.
     std::uint64_t node_number(unsigned int i) const;

@@ -11,6 +11,9 @@ namespace feib
   /// rounded to 6 digits. 3e-07, 0.25, 1.5e+12.
   std::string readable(double number);
 
+  /// A part of a whole in percent, to two digits: 0.35 %, 12 %, 140 %.
+  std::string percent(double part);
+
   /// Text from outside (a key, a value, a file's name): control characters and what is not UTF-8
   /// become \u001b, \xff, ..., so that nothing of it acts on a terminal; longer text than
   /// @p length bytes is cut, with "..." at its end.

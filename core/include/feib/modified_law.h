@@ -10,7 +10,7 @@
 namespace feib
 {
   /// A law that changes another one: all it does not override is that of the other. Its state
-  /// variables, if it has any, come after those of the other law, n_state_variables() of them.
+  /// variables, if it has any, come after those of the other law.
   template <int structure_dim, int dim>
   class ModifiedLaw : public ConstitutiveLaw<structure_dim, dim>
   {
@@ -116,13 +116,6 @@ namespace feib
     }
 
   protected:
-    /// Of the other law.
-    unsigned int
-    n_state_variables() const
-    {
-      return law->state_variables().size();
-    }
-
     const std::unique_ptr<Law> law;
   };
 } // namespace feib

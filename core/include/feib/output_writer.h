@@ -47,12 +47,13 @@ namespace feib
     virtual unsigned int interval() const = 0;
 
     /// After archive() has read: goes on with the files in a folder, without what was written to
-    /// them after the archived state. Collective. Throws RunFailure, on all ranks, when they are
-    /// not there.
+    /// them after the archived state. @p communicator: the ranks of the space. Collective. Throws
+    /// RunFailure, on all ranks, when they are not there.
     virtual void
-    reopen(const std::string &directory)
+    reopen(const std::string &directory, const MPI_Comm communicator)
     {
       (void)directory;
+      (void)communicator;
     }
 
     /// Collective. Throws RunFailure, on all ranks, when a file cannot be written.

@@ -68,6 +68,9 @@ namespace feib
     /// The folder that relative file names in the case are meant from.
     const std::string &directory() const;
 
+    /// The file or folder that @p key names, meant from directory().
+    std::string path(const std::string &key) const;
+
     /// The ranks that build the component, all with the same parameters.
     MPI_Comm communicator() const;
 

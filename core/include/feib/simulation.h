@@ -41,7 +41,7 @@ namespace feib
 
     /// The newest sound one in the output folder of a run; warns of damaged ones. Throws Error when
     /// there is none. Collective.
-    static CheckpointInfo newest(const std::string &run_folder);
+    static CheckpointInfo newest(const std::string &run_folder, MPI_Comm communicator);
 
     /// Throws Error when a run of this case by these programs and files would not go on with what
     /// the checkpoint holds; ends, outputs, step control and checkpoints may differ.
@@ -57,8 +57,10 @@ namespace feib
 
     /// Builds all components, makes the first mesh and checks what a schema cannot (structures
     /// inside the box, expressions at the places where they are used, the components' check(),
-    /// ...). Throws Error with all issues; writes nothing. Collective.
-    static std::unique_ptr<Simulation> create(const Case &description);
+    /// ...). Throws Error with all issues; writes nothing. @p goes_on: run() will begin with a
+    /// checkpoint, so that the earlier flow of "initial_state" need not be there any more.
+    /// Collective.
+    static std::unique_ptr<Simulation> create(const Case &description, bool goes_on = false);
 
     /// What a run would take: cells, unknowns, memory, structures, limits of the step; lines of
     /// text. Collective.

@@ -195,15 +195,16 @@ namespace feib
 
     virtual Stiffness stiffness(const Positions<dim> &X) const = 0;
 
-    /// Area or volume of a body of dimension dim; what a closed curve or surface encloses; length
-    /// or area of an open one.
+    /// Area or volume of a body of dimension dim; what a closed curve or surface encloses (0 of one
+    /// that crosses itself and encloses as much from one side as from the other, but for
+    /// round-off); length or area of an open one.
     virtual double measure(const Positions<dim> &X) const = 0;
 
-    /// The centroid of what measure() measures.
+    /// The centroid of what measure() measures, the middle of all nodes' extent where that is 0.
     virtual dealii::Point<dim> centroid(const Positions<dim> &X) const = 0;
 
     /// The second moments, over the measure, of what measure() measures about its centroid: int (x
-    /// - c)(x - c)^T / measure. [length^2]
+    /// - c)(x - c)^T / measure; 0 where that is 0. [length^2]
     virtual dealii::SymmetricTensor<2, dim> second_moments(const Positions<dim> &X) const = 0;
 
     /// The elastic stress per element, for output: P F^T / J, J the present measure over that of

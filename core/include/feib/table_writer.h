@@ -38,10 +38,10 @@ namespace feib
     }
 
     void
-    reopen(const std::string &directory) override
+    reopen(const std::string &directory, const MPI_Comm communicator) override
     {
-      agree(MPI_COMM_WORLD, [&] {
-        if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      agree(communicator, [&] {
+        if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
           file.reopen(directory + "/" + file_name);
       });
     }

@@ -4,24 +4,44 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <map>
 #include <new>
 
 namespace feib
 {
   namespace
   {
-    /// Messages about failures do not meet those of the work that failed.
+    /// Called when a communicator goes that has a copy.
+    int
+    forget(const MPI_Comm communicator, int, void *copy, void *)
+    {
+      if (communicator != MPI_COMM_WORLD) // which goes when MPI ends
+        MPI_Comm_free(static_cast<MPI_Comm *>(copy));
+      delete static_cast<MPI_Comm *>(copy);
+      return MPI_SUCCESS;
+    }
+
+
+    /// A copy of the communicator, which lives as long: messages about failures do not meet those
+    /// of the work that failed. Its handle alone would not do to find the copy again, as a later
+    /// communicator may get it.
     MPI_Comm
     separate(const MPI_Comm communicator)
     {
-      static std::map<MPI_Comm, MPI_Comm> copies;
-      const auto known = copies.find(communicator);
-      if (known != copies.end())
-        return known->second;
-      MPI_Comm copy;
-      MPI_Comm_dup(communicator, &copy);
-      return copies[communicator] = copy;
+      static const int key = [] {
+        int result;
+        MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, forget, &result, nullptr);
+        return result;
+      }();
+      MPI_Comm *copy;
+      int known;
+      MPI_Comm_get_attr(communicator, key, &copy, &known);
+      if (known == 0)
+        {
+          copy = new MPI_Comm;
+          MPI_Comm_dup(communicator, copy);
+          MPI_Comm_set_attr(communicator, key, copy);
+        }
+      return *copy;
     }
 
 

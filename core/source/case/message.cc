@@ -2,6 +2,7 @@
 #include <feib/message.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -58,6 +59,17 @@ namespace feib
           return text;
       }
     std::snprintf(text, sizeof text, "%.6g", number);
+    return text;
+  }
+
+
+  std::string
+  percent(const double part)
+  {
+    const double value = 100 * part;
+    char text[40];
+    // Two digits of large numbers would need an exponent.
+    std::snprintf(text, sizeof text, std::abs(value) < 99.5 ? "%.2g %%" : "%.0f %%", value);
     return text;
   }
 

@@ -4,6 +4,7 @@
 #include <feib/registry.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 namespace feib
@@ -111,6 +112,11 @@ namespace feib
       fail(key,
            "must be made of letters, digits and _, as results are named by it; found \"" + text +
              "\"");
+    // Files are named by it.
+    if (text.size() > 100)
+      fail(key,
+           "has " + std::to_string(text.size()) + " characters, at most 100 are allowed: \"" +
+             text + "\"");
     return text;
   }
 
@@ -242,6 +248,14 @@ namespace feib
   Parameters::directory() const
   {
     return node->document->directory;
+  }
+
+
+  std::string
+  Parameters::path(const std::string &key) const
+  {
+    const std::string name = string(key);
+    return name.empty() ? name : (std::filesystem::path(directory()) / name).string();
   }
 
 

@@ -4,7 +4,6 @@
 #include <feib/message.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <functional>
 #include <limits>
 

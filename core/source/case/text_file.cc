@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <vector>
 
 namespace feib
 {
@@ -29,13 +29,11 @@ namespace feib
       std::ifstream stream(file, std::ios::binary);
       if (!stream)
         return "cannot be read";
-      std::ostringstream content;
-      stream.peek(); // nothing to copy is no failure
-      content << stream.rdbuf();
-      if (stream.bad())
-        return "cannot be read";
-      text = content.str();
-      return "";
+      // Not by operator<<, which takes a failure after the first piece for the end of the file.
+      std::vector<char> piece(1 << 16);
+      while (stream.read(piece.data(), piece.size()) || stream.gcount() > 0)
+        text.append(piece.data(), stream.gcount());
+      return stream.bad() ? "cannot be read" : "";
     }
   } // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "accounts.h"
 
+#include <feib/cross_product.h>
 #include <feib/message.h>
 
 #include <algorithm>
@@ -79,15 +80,9 @@ namespace feib
         for (unsigned int i = 0; i < model.excess_mass().size(); ++i)
           {
             const dealii::Tensor<1, dim> p = model.excess_mass()[i] * model.velocities[i];
-            const dealii::Point<dim> &X    = model.positions[i];
             result.kinetic += .5 * (p * model.velocities[i]);
             result.momentum += p;
-            result.angular_momentum[2] += X[0] * p[1] - X[1] * p[0];
-            if constexpr (dim == 3)
-              {
-                result.angular_momentum[0] += X[1] * p[2] - X[2] * p[1];
-                result.angular_momentum[1] += X[2] * p[0] - X[0] * p[2];
-              }
+            result.angular_momentum += cross_product<dim>(model.positions[i], p);
           }
       }
     return result;
@@ -203,9 +198,7 @@ namespace feib
           std::minmax_element(model.positions.begin(),
                               model.positions.end(),
                               [a](const auto &x, const auto &y) { return x[a] < y[a]; });
-        // What encloses as much as it does not has no centroid.
-        row.emplace_back("centroid" + end,
-                         std::isfinite(centroid[a]) ? centroid[a] : ((*low)[a] + (*high)[a]) / 2);
+        row.emplace_back("centroid" + end, centroid[a]);
         row.emplace_back("lower" + end, (*low)[a]);
         row.emplace_back("upper" + end, (*high)[a]);
       }

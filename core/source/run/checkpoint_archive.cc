@@ -173,7 +173,7 @@ namespace feib
     : CheckpointArchive<dim>(true, space, folder, MPI_MODE_RDONLY)
   {
     const std::string name  = folder + "/" + this->values_file;
-    const std::string bytes = read_text_file(name, name, true);
+    const std::string bytes = read_text_file(name, name, true, space.communicator());
     for (std::size_t at = 0; at < bytes.size();)
       {
         const std::string place = take_text(bytes, at);

@@ -46,6 +46,8 @@ namespace feib
           crc.process_bytes(piece.data(), stream.gcount());
           size += stream.gcount();
         }
+      if (stream.bad())
+        throw RunFailure("cannot read " + path.string());
       return {{"bytes", size}, {"crc32", crc.checksum()}};
     }
 
@@ -174,11 +176,11 @@ namespace feib
 
 
   std::pair<std::string, Json>
-  Checkpoints::newest(const std::string &run_folder)
+  Checkpoints::newest(const std::string &run_folder, const MPI_Comm communicator)
   {
     std::string folder, text, problem;
     std::vector<std::string> damaged;
-    if (first_rank(MPI_COMM_WORLD))
+    if (first_rank(communicator))
       {
         const auto known = list(fs::path(run_folder) / "checkpoints");
         for (const auto &[step, path] : known)
@@ -198,8 +200,8 @@ namespace feib
                                       "; the output folder of a run is needed"
                                   : damaged.front() + "; there is no other";
       }
-    const auto share = [](const std::string &value) {
-      return dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, value);
+    const auto share = [communicator](const std::string &value) {
+      return dealii::Utilities::MPI::broadcast(communicator, value);
     };
     problem = share(problem);
     if (!problem.empty())

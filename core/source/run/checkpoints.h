@@ -36,7 +36,8 @@ namespace feib
 
     /// The newest sound checkpoint of a run's folder and its manifest; warns of damaged ones.
     /// Throws Error when there is none. Collective.
-    static std::pair<std::string, Json> newest(const std::string &run_folder);
+    static std::pair<std::string, Json> newest(const std::string &run_folder,
+                                               MPI_Comm communicator);
 
   private:
     const unsigned int interval, keep;

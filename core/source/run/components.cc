@@ -65,7 +65,7 @@ namespace feib
 
 
   template <int dim>
-  Components<dim>::Components(const Parameters &parameters)
+  Components<dim>::Components(const Parameters &parameters, const bool goes_on)
   {
     Issues issues;
     collect(issues, [&] {
@@ -82,7 +82,7 @@ namespace feib
         coefficients.emplace(parameters.child("coefficients"), fluid->density());
     });
     collect(issues, [&] {
-      if (space && parameters.has("initial_state"))
+      if (space && !goes_on && parameters.has("initial_state"))
         earlier_flow =
           std::make_unique<EarlierFlow<dim>>(parameters.child("initial_state"), space->domain());
     });
@@ -330,10 +330,7 @@ namespace feib
     const std::vector<double> &masses = model.excess_mass();
     if (!fluid || masses.empty())
       return;
-    std::vector<double> measures(masses.size(), 0.);
-    for (const auto &element : mesh.elements())
-      for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
-        measures[element.nodes[k]] += element.measure / (mesh.structure_dim() + 1);
+    const std::vector<double> measures = mesh.node_measures();
     for (unsigned int i = 0; i < masses.size(); ++i)
       if (masses[i] <= -fluid->density() * measures[i])
         block.fail("excess_density",

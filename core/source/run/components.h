@@ -20,8 +20,8 @@ namespace feib
   struct Components
   {
     /// Builds all, makes the first mesh and checks what a schema cannot. Throws Error with all
-    /// issues. Collective.
-    explicit Components(const Parameters &parameters);
+    /// issues. @p goes_on: from a checkpoint, without the earlier flow. Collective.
+    Components(const Parameters &parameters, bool goes_on);
 
     typename TimeIntegrator<dim>::System
     system()

@@ -10,7 +10,6 @@
 #include <feib/simulation.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <sstream>
 
 namespace feib
@@ -18,12 +17,11 @@ namespace feib
   template <int dim>
   EarlierFlow<dim>::EarlierFlow(const Parameters &parameters, const Domain<dim> &box)
   {
-    const std::string run =
-      (std::filesystem::path(parameters.directory()) / parameters.string("run")).string();
+    const std::string run = parameters.path("run");
     Json earlier;
     try
       {
-        const CheckpointInfo checkpoint = CheckpointInfo::newest(run);
+        const CheckpointInfo checkpoint = CheckpointInfo::newest(run, parameters.communicator());
         folder                          = checkpoint.folder;
         earlier                         = Json::parse(checkpoint.case_text);
       }

@@ -4,7 +4,6 @@
 
 #include <feib/eulerian_space.h>
 
-#include <memory>
 
 namespace feib
 {

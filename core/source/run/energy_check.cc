@@ -6,22 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 namespace feib
 {
   namespace
   {
-    std::string
-    percent(const double share)
-    {
-      std::ostringstream text;
-      text << std::setprecision(2) << 100 * share << " %";
-      return text.str();
-    }
-
-
     /// The part of an energy @p whole at the present positions that comes from no force.
     template <int dim>
     double

@@ -74,6 +74,7 @@ namespace feib
       archive("verdict", verdict);
       archive("swings", swings);
       archive("largest_velocity", largest_velocity);
+      archive("largest_kinetic", largest_kinetic);
       archive("calm_limit", calm_limit);
     }
 
@@ -81,6 +82,12 @@ namespace feib
     /// Structures that gain energy, or lose measure.
     void check_energies(double time);
     void check_measures(double time);
+
+    /// Light structures whose mass takes away more than the fluid about them has.
+    void check_kinetic_energy(double time);
+
+    /// Parts of faces that end within cells, where fluid would pass through the wall beside them.
+    void check_parts();
 
     /// Flows too rough for the mesh, which have lost what they were.
     void check_resolution(double time);
@@ -98,6 +105,7 @@ namespace feib
     std::vector<double> initial_measures;     // of each structure
     SwingCheck swings;
     double largest_velocity = 0; // so far
+    double largest_kinetic  = 0; // the largest kinetic energy so far, without its sign
     double calm_limit       = 0; // of the step, when energy last did not grow
   };
 } // namespace feib

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "checkpoints.h"
 
+#include <feib/message.h>
 #include <feib/simulation.h>
 
 namespace feib
@@ -64,15 +65,12 @@ namespace feib
 
 
   CheckpointInfo
-  CheckpointInfo::newest(const std::string &run_folder)
+  CheckpointInfo::newest(const std::string &run_folder, const MPI_Comm communicator)
   {
-    const auto [folder, manifest] = Checkpoints::newest(run_folder);
+    const auto [folder, manifest] = Checkpoints::newest(run_folder, communicator);
     CheckpointInfo result;
-    result.folder = folder;
-    // What a run began with is in the checkpoint, and need not be there any more.
-    Json description = manifest.at("case");
-    description.erase("initial_state");
-    result.case_text      = description.dump(2);
+    result.folder         = folder;
+    result.case_text      = manifest.at("case").dump(2);
     result.case_directory = manifest.at("case_directory").get<std::string>();
     result.step           = manifest.at("step").get<unsigned int>();
     result.time           = manifest.at("time").get<double>();
@@ -103,6 +101,10 @@ namespace feib
              "the checkpoint " + folder + " was written with " + name + " " + version +
                (now == present.end() ? ", which is not used now" : ", this is " + now->second)});
       }
+    if (const double end = description.parameters().child("time").number("end"); end < time)
+      issues.push_back({"/time/end",
+                        "found " + readable(end) + ", and the checkpoint " + folder +
+                          " is of the time " + readable(time) + " already"});
     if (!issues.empty())
       throw Error(issues);
   }

@@ -48,7 +48,7 @@ namespace feib
     class SimulationInDimension : public Simulation
     {
     public:
-      explicit SimulationInDimension(const Case &description);
+      explicit SimulationInDimension(const Case &description, const bool goes_on);
 
       std::string forecast() override;
 
@@ -117,8 +117,8 @@ namespace feib
 
 
     template <int dim>
-    SimulationInDimension<dim>::SimulationInDimension(const Case &description)
-      : parts(description.parameters())
+    SimulationInDimension<dim>::SimulationInDimension(const Case &description, const bool goes_on)
+      : parts(description.parameters(), goes_on)
       , accounts(parts)
       , judge(parts, accounts, description.parameters().child("time"))
       , statistics(description.parameters())
@@ -240,7 +240,7 @@ namespace feib
       archive(reader);
       seconds_before = record.wall_seconds;
       for (unsigned int i = 0; i < parts.writers.size(); ++i)
-        parts.writers[i]->reopen(options.directory);
+        parts.writers[i]->reopen(options.directory, parts.space->communicator());
       tell_size();
       std::ostringstream message;
       message << "going on from step " << record.step << ", time " << record.time;
@@ -547,6 +547,7 @@ namespace feib
             agree(parts.space->communicator(), [&] { write_checkpoint(options); });
           loop(options);
           judge.check_end(record.time);
+          statistics.check_end(record.time, judge.verdict);
           end_with(options, {end, ""});
           log::status("");
         }
@@ -575,10 +576,10 @@ namespace feib
 
 
   std::unique_ptr<Simulation>
-  Simulation::create(const Case &description)
+  Simulation::create(const Case &description, const bool goes_on)
   {
     if (description.parameters().integer("dimension") == 2)
-      return std::make_unique<SimulationInDimension<2>>(description);
-    return std::make_unique<SimulationInDimension<3>>(description);
+      return std::make_unique<SimulationInDimension<2>>(description, goes_on);
+    return std::make_unique<SimulationInDimension<3>>(description, goes_on);
   }
 } // namespace feib

@@ -29,7 +29,8 @@ namespace feib
     const double end = description.child("time").number("end");
     from             = end / 2;
     to               = end;
-    if (!description.has("statistics"))
+    asked_for        = description.has("statistics");
+    if (!asked_for)
       return;
     const Parameters block = description.child("statistics");
     if (block.has("from"))
@@ -73,6 +74,18 @@ namespace feib
         }
     times.push_back(time - dt / 2);
     duration += dt;
+  }
+
+
+  void
+  Statistics::check_end(const double time, Verdict &verdict) const
+  {
+    if (asked_for && duration == 0)
+      verdict.warn("statistics",
+                   time,
+                   0.,
+                   "no step lies in the window of the statistics, from " + readable(from) + " to " +
+                     readable(to) + ": there are none");
   }
 
 

@@ -3,6 +3,7 @@
 #define feib_statistics_h
 
 #include "json.h"
+#include "verdict.h"
 
 #include <feib/archive.h>
 #include <feib/ledger.h>
@@ -31,6 +32,9 @@ namespace feib
     /// steps in it.
     Json to_json() const;
 
+    /// At the end of a run: warns when a window that the case gives holds no step.
+    void check_end(double time, Verdict &verdict) const;
+
     /// Of a lift; none without a whole period.
     std::optional<double> frequency(const std::string &column) const;
 
@@ -48,7 +52,8 @@ namespace feib
     /// The times at which a series passes its mean upwards.
     std::vector<double> passes(const Sum &sum) const;
 
-    bool wanted = false;
+    bool wanted    = false;
+    bool asked_for = false; // by the case, not for lifts alone
     double from = 0, to = 0;
     double first = 0, duration = 0; // what was seen: from, and how long
     std::vector<double> times;      // half way through the steps seen

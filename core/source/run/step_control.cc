@@ -135,12 +135,11 @@ namespace feib
     archive("patience", patience);
     if (!archive.reading())
       return;
-    if (step_before != step)
-      grid = std::floor(present / step * (1 + 1e-12));
+    // The run before may have had another step, another end or no multiples to hit. What is one but
+    // for round-off has been passed, so that the next step is no sliver.
+    grid = std::floor(present / step + 1e-6);
     if (!is_adaptive)
-      dt = std::min(dt, step);
-    if (!is_adaptive && step_before != step)
-      dt = step;
+      dt = step_before != step ? step : std::min(dt, step);
     dt = std::min(std::max(dt, shortest), longest);
   }
 

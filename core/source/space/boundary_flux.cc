@@ -3,12 +3,13 @@
 
 #include "cell_order.h"
 
+#include <feib/message.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <sstream>
 
 namespace feib
@@ -154,8 +155,8 @@ namespace feib
   spread_flux_text(const EulerianSpace<dim> &space)
   {
     std::ostringstream text;
-    text << std::setprecision(2) << "the prescribed velocities, as interpolated on this mesh, let "
-         << 200 * std::abs(space.spread_flux()) << " % more "
+    text << "the prescribed velocities, as interpolated on this mesh, let "
+         << percent(2 * std::abs(space.spread_flux())) << " more "
          << (space.spread_flux() > 0 ? "out of the box than in" : "into the box than out")
          << "; the difference is spread over both";
     return text.str();

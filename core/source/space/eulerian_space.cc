@@ -6,6 +6,8 @@
 #include "field_transfer.h"
 #include "velocity_constraints.h"
 
+#include <feib/failure.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -228,7 +230,7 @@ namespace feib
     on_the_way   = false;
     present_time = t;
     if (!boundary_issues.empty())
-      throw RunFailure(Error(boundary_issues).what());
+      throw Incurable(Error(boundary_issues).what());
   }
 
 

@@ -239,7 +239,7 @@ namespace feib
       for (const Kind kind : {Kind::no_slip, Kind::free_slip, Kind::velocity, Kind::open})
         for (unsigned int f = 0; f < 2 * dim; ++f)
           for (const Node &node : nodes[f])
-            if (const auto &condition = box.conditions[box.condition_at(f, node.x)];
+            if (const auto &condition = box.conditions[box.condition_at_node(f, node.x)];
                 condition.kind == kind)
               {
                 values = 0;

@@ -281,6 +281,19 @@ namespace feib
   } // namespace
 
   template <int dim>
+  double
+  simplex_measure(const unsigned int m, const std::array<dealii::Tensor<1, dim>, dim> &edges)
+  {
+    // Gram's determinant.
+    dealii::Tensor<2, dim> products;
+    for (unsigned int j = 0; j < dim; ++j)
+      for (unsigned int k = 0; k < dim; ++k)
+        products[j][k] = j < m && k < m ? edges[j] * edges[k] : double(j == k);
+    return std::sqrt(std::max(0., determinant(products))) / (m == 3 ? 6 : m);
+  }
+
+
+  template <int dim>
   LagrangianMesh<dim>::LagrangianMesh(const unsigned int structure_dim,
                                       std::vector<Point<dim>> places,
                                       const std::vector<Simplex> &given,
@@ -527,6 +540,57 @@ namespace feib
   }
 
   template <int dim>
+  double
+  LagrangianMesh<dim>::measure(const Element &element, const Positions<dim> &X) const
+  {
+    std::array<dealii::Tensor<1, dim>, dim> edges;
+    for (unsigned int k = 0; k < m; ++k)
+      edges[k] = X[element.nodes[k + 1]] - X[element.nodes[0]];
+    return simplex_measure<dim>(m, edges);
+  }
+
+
+  template <int dim>
+  std::vector<double>
+  LagrangianMesh<dim>::node_measures() const
+  {
+    std::vector<double> result(n_nodes(), 0.);
+    for (const Element &element : element_list)
+      for (unsigned int k = 0; k <= m; ++k)
+        result[element.nodes[k]] += element.measure / (m + 1);
+    return result;
+  }
+
+
+  template <int dim>
+  dealii::Point<dim>
+  LagrangianMesh<dim>::corner(const Element &element, const unsigned int k) const
+  {
+    // By the shape functions, N_i = 1/(m+1) + g_i . y in the element's own frame about its
+    // centroid.
+    dealii::Tensor<2, dim> gradients;
+    dealii::Tensor<1, dim> change; // of the shape functions, from the centroid to the corner
+    for (unsigned int j = 0; j < dim; ++j)
+      {
+        gradients[j][j] = 1;
+        if (j < m)
+          {
+            gradients[j] = element.shape_gradients[j + 1];
+            change[j]    = (j + 1 == k ? 1. : 0.) - 1. / (m + 1);
+            for (unsigned int l = m; l < dim; ++l)
+              gradients[j][l] = 0;
+          }
+      }
+    const dealii::Tensor<1, dim> way = invert(gradients) * change;
+    dealii::Point<dim> result        = element.centroid;
+    for (unsigned int l = 0; l < m; ++l)
+      result += way[l] * element.frame[l];
+    const dealii::Point<dim> &node = node_places[element.nodes[k]];
+    return node.distance(result) < 1e-6 * element.diameter ? node : result;
+  }
+
+
+  template <int dim>
   std::uint64_t
   LagrangianMesh<dim>::node_number(const unsigned int i) const
   {
@@ -581,6 +645,8 @@ namespace feib
     return {n * rank / size, n * (rank + 1) / size};
   }
 
+  template double simplex_measure<2>(unsigned int, const std::array<dealii::Tensor<1, 2>, 2> &);
+  template double simplex_measure<3>(unsigned int, const std::array<dealii::Tensor<1, 3>, 3> &);
   template class LagrangianMesh<2>;
   template class LagrangianMesh<3>;
 } // namespace feib

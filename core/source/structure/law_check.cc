@@ -392,8 +392,17 @@ namespace feib
       const dealii::Tensor<2, dim> identity = dealii::unit_symmetric_tensor<dim>();
       const double start                    = model.energy(model.positions);
       std::optional<double> fallen;
-      // Some laws have no energy far away; some structures are squeezed, and soften at first.
-      for (const double stretch : {8., 3., 1.1})
+      // Some laws have no energy far away; some structures are squeezed, and soften until they have
+      // their size again.
+      double reference = 0, present = 0;
+      for (const auto &element : model.mesh().elements())
+        {
+          reference += element.measure;
+          present += model.mesh().measure(element, model.positions);
+        }
+      const double size =
+        std::max(1., std::pow(reference / present, 1. / model.mesh().structure_dim()));
+      for (const double stretch : {8. * size, 3. * size, 1.1 * size})
         {
           for (unsigned int a = 0; a < dim; ++a)
             {

@@ -54,10 +54,7 @@ namespace feib
          const unsigned int structure_dim,
          MeshFile (*read_file)(const std::string &, MPI_Comm))
     {
-      const std::string file = block.string("file");
-      const std::string path = file.empty() || file[0] == '/' || block.directory().empty()
-                                 ? file
-                                 : block.directory() + "/" + file;
+      const std::string path = block.path("file");
       try
         {
           return mesh_from_file<dim>(read_file(path, block.communicator()),

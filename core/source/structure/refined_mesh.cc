@@ -2,7 +2,6 @@
 #include "refined_mesh.h"
 
 #include "mesh_builder.h"
-#include "united_mesh.h"
 
 #include <map>
 
@@ -51,7 +50,7 @@ namespace feib
         std::vector<dealii::Point<dim>> places;
         Numbers nodes(element.nodes.begin(), element.nodes.begin() + m + 1);
         for (unsigned int k = 0; k <= m; ++k)
-          places.push_back(element_corner(mesh, element, k));
+          places.push_back(mesh.corner(element, k));
         for (unsigned int i = 0; i < n_edges; ++i)
           {
             const auto [a, b] = edges[i];

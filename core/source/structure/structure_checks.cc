@@ -41,15 +41,12 @@ namespace feib
             }
           if (m > 1)
             {
-              dealii::Tensor<2, dim> edges, gram;
+              dealii::Tensor<2, dim> edges;
               for (unsigned int k = 0; k < m; ++k)
                 edges[k] = X[element.nodes[k + 1]] - X[element.nodes[0]];
-              for (unsigned int j = 0; j < dim; ++j)
-                for (unsigned int k = 0; k < dim; ++k)
-                  gram[j][k] = j < m && k < m ? edges[j] * edges[k] : (j == k ? 1. : 0.);
               // m! times the measure, over the longest edge to the power m.
               const double size =
-                std::sqrt(std::max(0., determinant(gram))) / std::pow(longest, double(m));
+                (m == 3 ? 6 : m) * model.mesh().measure(element, X) / std::pow(longest, double(m));
               if (size < result.flattest)
                 {
                   result.flattest         = size;

@@ -40,35 +40,6 @@ namespace feib
 
 
   template <int dim>
-  dealii::Point<dim>
-  element_corner(const LagrangianMesh<dim> &mesh,
-                 const typename LagrangianMesh<dim>::Element &element,
-                 const unsigned int k)
-  {
-    const unsigned int m = mesh.structure_dim();
-    dealii::Tensor<2, dim> gradients;
-    dealii::Tensor<1, dim> change; // of the shape functions, from the centroid to the corner
-    for (unsigned int j = 0; j < dim; ++j)
-      {
-        gradients[j][j] = 1;
-        if (j < m)
-          {
-            gradients[j] = element.shape_gradients[j + 1];
-            change[j]    = (j + 1 == k ? 1. : 0.) - 1. / (m + 1);
-            for (unsigned int l = m; l < dim; ++l)
-              gradients[j][l] = 0;
-          }
-      }
-    const dealii::Tensor<1, dim> way = invert(gradients) * change;
-    dealii::Point<dim> result        = element.centroid;
-    for (unsigned int l = 0; l < m; ++l)
-      result += way[l] * element.frame[l];
-    const dealii::Point<dim> &node = mesh.nodes()[element.nodes[k]];
-    return node.distance(result) < 1e-6 * element.diameter ? node : result;
-  }
-
-
-  template <int dim>
   LagrangianMesh<dim>
   united_mesh(const std::vector<LagrangianMesh<dim>> &meshes, const std::vector<std::string> &names)
   {
@@ -88,7 +59,7 @@ namespace feib
             for (unsigned int k = 0; k <= m; ++k)
               {
                 builder.simplices.back().nodes[k]   = first + element.nodes[k];
-                builder.simplices.back().corners[k] = element_corner(meshes[p], element, k);
+                builder.simplices.back().corners[k] = meshes[p].corner(element, k);
               }
           }
         for (auto remark : meshes[p].remarks())
@@ -114,10 +85,6 @@ namespace feib
     return result;
   }
 
-  template dealii::Point<2>
-  element_corner(const LagrangianMesh<2> &, const LagrangianMesh<2>::Element &, unsigned int);
-  template dealii::Point<3>
-  element_corner(const LagrangianMesh<3> &, const LagrangianMesh<3>::Element &, unsigned int);
   template LagrangianMesh<2> united_mesh(const std::vector<LagrangianMesh<2>> &,
                                          const std::vector<std::string> &);
   template LagrangianMesh<3> united_mesh(const std::vector<LagrangianMesh<3>> &,

@@ -2,7 +2,6 @@
 #include "sheet.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace feib

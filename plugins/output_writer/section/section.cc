@@ -7,7 +7,6 @@
 #include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
-#include <sstream>
 
 #include "section_schema.h"
 

@@ -35,33 +35,6 @@ namespace
                              (errno ? std::string(": ") + std::strerror(errno) : ""));
   }
 
-  /// The corners of an element in the reference body. They follow from the shape functions,
-  /// N_i = 1/(m+1) + g_i . y in the element's own frame about its centroid; the node's own place
-  /// would be wrong across a seam.
-  template <int structure_dim, int dim>
-  std::array<Point<dim>, structure_dim + 1>
-  reference_corners(const typename feib::LagrangianMesh<dim>::Element &element)
-  {
-    Tensor<2, structure_dim> gradients;
-    for (unsigned int i = 0; i < structure_dim; ++i)
-      for (unsigned int d = 0; d < structure_dim; ++d)
-        gradients[i][d] = element.shape_gradients[i][d];
-    const Tensor<2, structure_dim> inverse = invert(gradients);
-
-    std::array<Point<dim>, structure_dim + 1> corners;
-    for (unsigned int k = 0; k <= structure_dim; ++k)
-      {
-        Tensor<1, structure_dim> values;
-        for (unsigned int i = 0; i < structure_dim; ++i)
-          values[i] = (i == k) - 1. / (structure_dim + 1);
-        const Tensor<1, structure_dim> y = inverse * values;
-        corners[k]                       = element.centroid;
-        for (unsigned int d = 0; d < structure_dim; ++d)
-          corners[k] += y[d] * element.frame[d];
-      }
-    return corners;
-  }
-
   /// Adds a point, with the three coordinates that VTK wants.
   template <int dim>
   void
@@ -104,19 +77,9 @@ namespace
   Field
   stretch(const feib::LagrangianMesh<dim> &mesh, const feib::Positions<dim> &X)
   {
-    const unsigned int m = mesh.structure_dim();
     Field result{"J", 1, {}};
     for (const auto &element : mesh.elements())
-      {
-        Tensor<2, dim> gram; // of the edges from the first node
-        for (unsigned int k = 0; k < dim; ++k)
-          for (unsigned int l = 0; l < dim; ++l)
-            gram[k][l] = k < m && l < m ? (X[element.nodes[k + 1]] - X[element.nodes[0]]) *
-                                            (X[element.nodes[l + 1]] - X[element.nodes[0]])
-                                        : double(k == l);
-        result.values.push_back(std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m) /
-                                element.measure);
-      }
+      result.values.push_back(mesh.measure(element, X) / element.measure);
     return result;
   }
 
@@ -148,18 +111,6 @@ namespace
     return result;
   }
 
-  /// Half, ... of the measure of each element for its nodes.
-  template <int dim>
-  std::vector<double>
-  nodal_measures(const feib::LagrangianMesh<dim> &mesh)
-  {
-    std::vector<double> result(mesh.n_nodes(), 0.);
-    for (const auto &element : mesh.elements())
-      for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
-        result[element.nodes[k]] += element.measure / (mesh.structure_dim() + 1);
-    return result;
-  }
-
   /// The projection of a field of elements to continuous functions by lumped masses: at each node
   /// the mean of the elements around it, weighted by their measures.
   template <int dim>
@@ -167,7 +118,7 @@ namespace
   projected(const Field &field, const feib::LagrangianMesh<dim> &mesh)
   {
     const unsigned int n               = field.n_components;
-    const std::vector<double> measures = nodal_measures(mesh);
+    const std::vector<double> measures = mesh.node_measures();
     Field result{field.name + "_nodal", n, std::vector<double>(n * mesh.n_nodes(), 0.)};
     for (unsigned int e = 0; e < mesh.n_elements(); ++e)
       for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
@@ -198,11 +149,10 @@ namespace
     for (unsigned int e = 0; e < mesh.n_elements(); ++e)
       {
         const typename feib::LagrangianMesh<dim>::Element &element = mesh.elements()[e];
-        const auto corners = reference_corners<structure_dim, dim>(element);
         for (unsigned int k = 0; k < n; ++k)
           {
             append(points, X[element.nodes[k]]);
-            append(reference, corners[k]);
+            append(reference, mesh.corner(element, k));
             materials.push_back(element.material_id);
             connectivity.push_back(n * e + k);
           }
@@ -352,10 +302,10 @@ namespace
     }
 
     void
-    reopen(const std::string &directory) override
+    reopen(const std::string &directory, const MPI_Comm communicator) override
     {
-      feib::agree(MPI_COMM_WORLD, [&] {
-        if (Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+      feib::agree(communicator, [&] {
+        if (Utilities::MPI::this_mpi_process(communicator) == 0)
           for (auto &[name, record] : series)
             record.reopen(directory + "/" + name + ".pvd", series_end);
       });
@@ -453,7 +403,7 @@ namespace
         {
           feib::NodalField<dim> load;
           model.load(X, load);
-          const std::vector<double> measures = nodal_measures(mesh);
+          const std::vector<double> measures = mesh.node_measures();
           for (unsigned int i = 0; i < load.size(); ++i)
             load[i] /= measures[i];
           of_nodes.push_back(nodal_field<dim>("force_density", load));

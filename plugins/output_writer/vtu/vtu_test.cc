@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "data_array.h"
+
 #include <feib/testing/output_writer_kit.h>
 
 #include <deal.II/base/utilities.h>
@@ -64,19 +66,35 @@ namespace
     double version = 0;
 
   private:
-    /// Base64 of four numbers (blocks, bytes in a block, bytes in the last, compressed bytes), then
-    /// base64 of one zlib stream.
+    /// Base64 of numbers (blocks, bytes in a block, bytes in the last, compressed bytes of each),
+    /// then base64 of the zlib streams.
     static std::vector<double>
     decode(std::string text, const std::string &type)
     {
       text.erase(std::remove_if(text.begin(), text.end(), ::isspace), text.end());
-      const std::vector<unsigned char> head = Utilities::decode_base64(text.substr(0, 24));
-      std::uint32_t sizes[4];
-      std::memcpy(sizes, head.data(), sizeof(sizes));
-      const std::vector<unsigned char> packed = Utilities::decode_base64(text.substr(24));
-      std::vector<unsigned char> bytes(sizes[1]);
-      uLongf n_bytes = bytes.size();
-      EXPECT_EQ(uncompress(bytes.data(), &n_bytes, packed.data(), sizes[3]), Z_OK);
+      const auto numbers = [&text](const std::size_t n) {
+        const std::size_t length = (4 * n + 2) / 3 * 4; // in base64
+        const auto head          = Utilities::decode_base64(text.substr(0, length));
+        std::vector<std::uint32_t> result(n);
+        std::memcpy(result.data(), head.data(), 4 * n);
+        return std::make_pair(result, length);
+      };
+      const std::size_t n_blocks = numbers(3).first[0];
+      const auto [sizes, end]    = numbers(3 + n_blocks);
+      const auto packed          = Utilities::decode_base64(text.substr(end));
+      std::vector<unsigned char> bytes((n_blocks - 1) * sizes[1] + sizes[2]);
+      std::size_t at = 0;
+      for (std::size_t k = 0; k < n_blocks; ++k)
+        {
+          const uLongf wanted = k + 1 < n_blocks ? sizes[1] : sizes[2];
+          uLongf n_bytes      = wanted;
+          EXPECT_EQ(
+            uncompress(bytes.data() + k * sizes[1], &n_bytes, packed.data() + at, sizes[3 + k]),
+            Z_OK);
+          EXPECT_EQ(n_bytes, wanted);
+          at += sizes[3 + k];
+        }
+      EXPECT_EQ(at, packed.size());
       if (type == "Float32")
         return convert<float>(bytes);
       if (type == "Float64")
@@ -165,6 +183,17 @@ namespace
   }
 
   /// Vorticity, shear rate and Q of the exact velocity.
+  TEST(Vtu, LongArraysAreDividedIntoBlocks)
+  {
+    // The bytes of a block are written in 32 bits.
+    std::vector<double> values(100);
+    for (unsigned int i = 0; i < values.size(); ++i)
+      values[i] = std::sin(i);
+    for (const std::size_t block : {800, 799, 400, 96, 7})
+      EXPECT_EQ(VtuFile(feib::data_array("name", 1, values, block))["name"], values) << block;
+    EXPECT_EQ(VtuFile(feib::data_array("name", 1, std::vector<double>()))["name"].size(), 0u);
+  }
+
   TEST(Vtu, DerivativesOfTheVelocity)
   {
     TemporaryFolder folder;

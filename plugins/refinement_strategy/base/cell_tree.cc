@@ -193,15 +193,11 @@ namespace feib
         double measure                   = 0;
         for (const auto &element : model.mesh().elements())
           {
-            dealii::Tensor<1, dim> edges[dim];
+            std::array<dealii::Tensor<1, dim>, dim> edges;
             for (unsigned int k = 0; k < m; ++k)
               edges[k] = lattice.scaled(model.positions[element.nodes[k + 1]]) -
                          lattice.scaled(model.positions[element.nodes[0]]);
-            dealii::Tensor<2, dim> gram;
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int j = 0; j < dim; ++j)
-                gram[i][j] = i < m && j < m ? edges[i] * edges[j] : double(i == j);
-            measure += std::sqrt(std::max(0., dealii::determinant(gram))) / (m == 3 ? 6 : m);
+            measure += simplex_measure<dim>(m, edges);
           }
         result += m == dim ? measure : measure / largest_section;
       }

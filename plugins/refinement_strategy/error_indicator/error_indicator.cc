@@ -7,7 +7,6 @@
 #include <deal.II/fe/fe_interface_values.h>
 
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "error_indicator_schema.h"

@@ -11,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <vector>
 
 namespace feib

@@ -61,10 +61,7 @@ namespace feib
       check_start();
       if (parameters.boolean("walls"))
         find_walls();
-      reference_measures.assign(body.mesh.n_nodes(), 0.);
-      for (const auto &element : body.mesh.elements())
-        for (unsigned int k = 0; k <= body.mesh.structure_dim(); ++k)
-          reference_measures[element.nodes[k]] += element.measure / (body.mesh.structure_dim() + 1);
+      reference_measures = body.mesh.node_measures();
     }
 
     double

@@ -39,10 +39,8 @@ namespace feib
       if (this->stencils.empty())
         parameters.fail("file", "has no springs");
       intact.assign(this->stencils.size(), 1.);
-      std::vector<double> measures(body.mesh.n_nodes(), 0.), sums(body.mesh.n_nodes(), 0.);
-      for (const auto &element : body.mesh.elements())
-        for (unsigned int k = 0; k <= body.mesh.structure_dim(); ++k)
-          measures[element.nodes[k]] += element.measure / (body.mesh.structure_dim() + 1);
+      const std::vector<double> measures = body.mesh.node_measures();
+      std::vector<double> sums(measures.size(), 0.);
       // Twice the sum of a row's entries bounds the eigenvalues of its matrix.
       for (unsigned int s = 0; s < this->stencils.size(); ++s)
         for (const unsigned int i : this->stencils[s])
@@ -168,11 +166,10 @@ namespace feib
     read(const Body &body)
     {
       const std::string file = parameters.string("file");
-      const std::string path = file[0] == '/' ? file : parameters.directory() + "/" + file;
       std::string content;
       try
         {
-          content = read_text_file(path, file, true, parameters.communicator());
+          content = read_text_file(parameters.path("file"), file, true, parameters.communicator());
         }
       catch (const Error &error)
         {
@@ -199,18 +196,23 @@ namespace feib
               const std::string &where)
     {
       std::istringstream words(line);
+      std::string word;
       std::uint64_t nodes[2];
       for (std::uint64_t &node : nodes)
         {
-          if (!(words >> node))
+          if (!(words >> word))
             parameters.fail("file", where + ": lacks the numbers of two nodes");
+          if (word.size() > 18 || word.find_first_not_of("0123456789") != std::string::npos)
+            parameters.fail("file",
+                            where + ": found \"" + readable(word, 40) +
+                              "\" where the number of a node must stand");
+          node = std::stoull(word);
           if (index.count(node) == 0)
             parameters.fail("file", where + ": the structure has no node " + std::to_string(node));
         }
       if (nodes[0] == nodes[1])
         parameters.fail("file", where + ": a spring needs two nodes");
       add(body, index.at(nodes[0]), index.at(nodes[1]));
-      std::string word;
       for (double *value : {&lengths.back(), &constants.back()})
         if (words >> word)
           {

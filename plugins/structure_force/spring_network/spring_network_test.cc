@@ -55,15 +55,16 @@ TEST(SpringNetwork, FilesThatWillNotDo)
 {
   const TemporaryFolder folder;
   const auto model = structure_for_forces<2>(registry(), "closed curve");
-  for (const auto &[text, sentence] :
-       std::map<std::string, std::string>{{"", "has no springs"},
-                                          {"0\n", ":1: lacks the numbers of two nodes"},
-                                          {"0 1\n0 99\n", ":2: the structure has no node 99"},
-                                          {"4 4", ":1: a spring needs two nodes"},
-                                          {"0 1 -2", ":1: found \"-2\" where a rest length"},
-                                          {"0 1 1 nan", ":1: found \"nan\" where a stiffness"},
-                                          {"0 1 1 1 1", ":1: found \"1\" after all"},
-                                          {"0 -1", ":1: the structure has no node"}})
+  for (const auto &[text, sentence] : std::map<std::string, std::string>{
+         {"", "has no springs"},
+         {"0\n", ":1: lacks the numbers of two nodes"},
+         {"0 1\n0 99\n", ":2: the structure has no node 99"},
+         {"4 4", ":1: a spring needs two nodes"},
+         {"0 1 -2", ":1: found \"-2\" where a rest length"},
+         {"0 1 1 nan", ":1: found \"nan\" where a stiffness"},
+         {"0 1 1 1 1", ":1: found \"1\" after all"},
+         {"0 -1", ":1: found \"-1\" where the number of a node must stand"},
+         {"0 1.5 0.1", ":1: found \"1.5\" where the number"}})
     try
       {
         springs(*model, R"({"stiffness": 1, "file": ")" + write(folder, text) + "\"}");

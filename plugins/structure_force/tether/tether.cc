@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <sstream>
 
 namespace feib
 {
@@ -50,10 +51,7 @@ namespace feib
         parameters.fail("",
                         "lacks \"target_velocity\": dampers want to know how a target moves that "
                         "depends on t");
-      std::vector<double> all(nodes.size(), 0.);
-      for (const auto &element : body.mesh.elements())
-        for (unsigned int j = 0; j <= body.mesh.structure_dim(); ++j)
-          all[element.nodes[j]] += element.measure / (body.mesh.structure_dim() + 1);
+      const std::vector<double> all = body.mesh.node_measures();
       for (unsigned int i = 0; i < all.size(); ++i)
         largest = std::max(largest, springs[i] / all[i]);
       try_times<dim>(*this, body, {target.get(), velocity.get()});
@@ -175,7 +173,12 @@ namespace feib
           {
             const double value = expression.value(nodes[i]);
             if (value < 0)
-              parameters.fail(key, "is less than 0 at a node of the structure");
+              {
+                std::ostringstream text;
+                text << "is " << value << " at the reference place (" << nodes[i]
+                     << "); it must not be less than 0";
+                parameters.fail(key, text.str());
+              }
             measures[i] *= value;
           }
       if (const Issues issues = expression.not_finite(MPI_COMM_SELF); !issues.empty())

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
-#include <tuple>
 
 namespace feib
 {
@@ -55,9 +54,17 @@ namespace feib
                           " at the reference place (" + place + "): det F = " +
                           readable(inverted->determinant) + "; the law needs det F > 0 everywhere");
       }
+    std::string fault;
     if constexpr (m == dim)
-      if (const std::string fault = body_fault(reference_mesh, this->positions); !fault.empty())
-        parameters.fail(parameters.has("initial_position") ? "initial_position" : "mesh", fault);
+      fault = body_fault(reference_mesh, this->positions);
+    else
+      for (const auto &element : reference_mesh.elements())
+        if (fault.empty() &&
+            !(reference_mesh.measure(element, this->positions) > 1e-12 * element.measure))
+          fault = "makes a " + std::string(m == 1 ? "point" : "line") + " of element " +
+                  std::to_string(element.number);
+    if (!fault.empty())
+      parameters.fail(parameters.has("initial_position") ? "initial_position" : "mesh", fault);
   }
 
 
@@ -104,7 +111,7 @@ namespace feib
         state_names.push_back(variable.name);
         moment.state.emplace_back(material_points.size(), variable.initial);
       }
-    law->set_moment(moment);
+    tell_moment();
   }
 
 
@@ -198,10 +205,28 @@ namespace feib
 
 
   template <int structure_dim, int dim>
+  std::string
+  ElasticStructure<structure_dim, dim>::law_fails(const char *what) const
+  {
+    return "the law \"" + law_name + "\" of structure \"" + structure_name + "\" fails in its " +
+           what;
+  }
+
+
+  template <int structure_dim, int dim>
+  void
+  ElasticStructure<structure_dim, dim>::tell_moment()
+  {
+    agree(
+      reference_mesh.communicator(), [&] { law->set_moment(moment); }, law_fails("moment"));
+  }
+
+
+  template <int structure_dim, int dim>
   void
   ElasticStructure<structure_dim, dim>::moment_has_changed()
   {
-    law->set_moment(moment);
+    tell_moment();
     forces.set_moment(moment.time, moment.elapsed);
     if (!law->time_dependent() && state_names.empty() && forces.empty())
       return;
@@ -403,7 +428,7 @@ namespace feib
               throw RunFailure(text.str());
             }
       },
-      "the law \"" + law_name + "\" of structure \"" + structure_name + "\" fails in its " + what);
+      law_fails(what));
   }
 
 
@@ -595,7 +620,16 @@ namespace feib
   ElasticStructure<structure_dim, dim>::centroid(const Positions<dim> &X) const
   {
     const Moments<dim> &moments = measure_moments(X);
-    return X[0] + moments.first / moments.measure;
+    if (moments.measure != 0)
+      return X[0] + moments.first / moments.measure;
+    dealii::Point<dim> centre;
+    for (unsigned int a = 0; a < dim; ++a)
+      {
+        const auto coordinate = [&](const unsigned int i) { return X[i][a]; };
+        const auto opposite   = [&](const unsigned int i) { return -X[i][a]; };
+        centre[a]             = (X.largest(coordinate) - X.largest(opposite)) / 2;
+      }
+    return centre;
   }
 
 
@@ -603,7 +637,9 @@ namespace feib
   dealii::SymmetricTensor<2, dim>
   ElasticStructure<structure_dim, dim>::second_moments(const Positions<dim> &X) const
   {
-    const Moments<dim> &moments           = measure_moments(X);
+    const Moments<dim> &moments = measure_moments(X);
+    if (moments.measure == 0)
+      return {};
     const dealii::Tensor<1, dim> centroid = moments.first / moments.measure;
     return moments.second / moments.measure - symmetrize(outer_product(centroid, centroid));
   }

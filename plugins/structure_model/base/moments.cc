@@ -3,6 +3,8 @@
 
 #include <deal.II/base/derivative_form.h>
 
+#include <cmath>
+
 namespace feib
 {
   template <int structure_dim, int dim>
@@ -13,6 +15,7 @@ namespace feib
     // A closed curve or surface encloses the cones over its elements with a common tip, X[0].
     const bool cones = m < dim && mesh.closed();
     Moments<dim> result;
+    double gross = 0;
     for (const auto &element : mesh.elements())
       {
         dealii::Tensor<2, dim> edges;
@@ -42,10 +45,13 @@ namespace feib
           }
         // Of a simplex with n corners; that of a cone is X[0].
         const unsigned int n = cones ? dim + 1 : m + 1;
+        gross += std::abs(size);
         result.measure += size;
         result.first += size / n * sum;
         result.second += size / (n * (n + 1)) * (squares + symmetrize(outer_product(sum, sum)));
       }
+    if (std::abs(result.measure) < 1e-12 * gross)
+      result.measure = 0; // but for round-off
     return result;
   }
 

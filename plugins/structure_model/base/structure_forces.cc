@@ -177,12 +177,11 @@ namespace feib
   StructureForces<dim>::stiffness(const Positions<dim> &X) const
   {
     Stiffness result;
-    for (const auto &force : list)
-      {
-        const Stiffness added = force->stiffness(X);
-        result.nodal += added.nodal;
-        result.bending += added.bending;
-      }
+    for_each("stiffness", [&](const StructureForce<dim> &force) {
+      const Stiffness added = force.stiffness(X);
+      result.nodal += added.nodal;
+      result.bending += added.bending;
+    });
     return result;
   }
 
@@ -191,8 +190,7 @@ namespace feib
   void
   StructureForces<dim>::set_moment(const double time, const double elapsed)
   {
-    for (const auto &force : list)
-      force->set_moment(time, elapsed);
+    for_each("moment", [&](StructureForce<dim> &force) { force.set_moment(time, elapsed); });
   }
 
 

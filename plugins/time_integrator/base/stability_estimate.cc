@@ -25,15 +25,7 @@ namespace feib
         for (unsigned int j = 0; j <= m; ++j)
           for (unsigned int k = 0; k < j; ++k)
             longest = std::max(longest, X[element.nodes[j]].distance(X[element.nodes[k]]));
-        // The measure from Gram's determinant.
-        dealii::Tensor<2, dim> gram;
-        for (unsigned int j = 0; j < dim; ++j)
-          gram[j][j] = 1;
-        for (unsigned int j = 0; j < m; ++j)
-          for (unsigned int k = 0; k < m; ++k)
-            gram[j][k] = (X[element.nodes[j + 1]] - X[element.nodes[0]]) *
-                         (X[element.nodes[k + 1]] - X[element.nodes[0]]);
-        const double size   = std::sqrt(std::abs(determinant(gram))) / (m == 3 ? 6 : m);
+        const double size   = mesh.measure(element, X);
         result.longest_edge = std::max(result.longest_edge, longest);
         largest_J           = std::max(largest_J, size / element.measure);
         smallest_J          = std::min(smallest_J, size / element.measure);

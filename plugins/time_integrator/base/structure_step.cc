@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "structure_step.h"
 
+#include <feib/cross_product.h>
+
 #include <cmath>
 
 namespace feib
@@ -55,19 +57,10 @@ namespace feib
                               const NodalField<dim> &velocities)
   {
     Impulse result;
-    result.power  = forces * velocities;
-    result.force  = forces.sum([&](const unsigned int q) { return forces[q]; });
-    result.torque = forces.sum([&](const unsigned int q) {
-      const dealii::Tensor<1, dim> &f = forces[q];
-      dealii::Tensor<1, 3> torque;
-      torque[2] = x[q][0] * f[1] - x[q][1] * f[0];
-      if constexpr (dim == 3)
-        {
-          torque[0] = x[q][1] * f[2] - x[q][2] * f[1];
-          torque[1] = x[q][2] * f[0] - x[q][0] * f[2];
-        }
-      return torque;
-    });
+    result.power = forces * velocities;
+    result.force = forces.sum([&](const unsigned int q) { return forces[q]; });
+    result.torque =
+      forces.sum([&](const unsigned int q) { return cross_product<dim>(x[q], forces[q]); });
     return result;
   }
 

@@ -2,6 +2,7 @@
 #ifndef feib_testing_fluid_accounts_h
 #define feib_testing_fluid_accounts_h
 
+#include <feib/cross_product.h>
 #include <feib/testing/fluid_trial.h>
 
 // What the kit of fluid solvers asks of reports and integrals.
@@ -72,12 +73,7 @@ namespace feib::testing
           const dealii::Tensor<1, dim> force = weight * density * u;
           energy += weight * density / 2 * u.norm_square();
           momentum += force;
-          angular[2] += x[0] * force[1] - x[1] * force[0];
-          if constexpr (dim == 3)
-            {
-              angular[0] += x[1] * force[2] - x[2] * force[1];
-              angular[1] += x[2] * force[0] - x[0] * force[2];
-            }
+          angular += cross_product<dim>(x, force);
           // d(u_0)/dx + d(u_1)/dy (+ d(u_2)/dz) of exact_velocity
           const double of_u = 2 * x[0] - 2 * x[1] + 2 * x[1] - (dim == 2 ? 1 : 0) + .5 * x[0];
           divergence += weight * of_u * of_u;

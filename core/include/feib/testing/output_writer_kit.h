@@ -123,7 +123,7 @@ namespace feib::testing
     WriterTrial<dim> resumed(name, block);
     checkpoint.start_reading(*resumed.space);
     resumed.archive(checkpoint);
-    resumed.writer->reopen(folder.path);
+    resumed.writer->reopen(folder.path, resumed.space->communicator());
     for (unsigned int step = 3; step < 6; ++step)
       resumed.write(step, folder.path);
 
@@ -163,7 +163,8 @@ namespace feib::testing
     if (appended.empty())
       return; // each state has files of its own
     folder.on_first_rank([&] { std::filesystem::remove(folder.path + "/" + appended[0]); });
-    const std::string message = failure_of([&] { resumed.writer->reopen(folder.path); });
+    const std::string message =
+      failure_of([&] { resumed.writer->reopen(folder.path, resumed.space->communicator()); });
     EXPECT_NE(message.find(folder.path + "/" + appended[0]), std::string::npos)
       << "without " << appended[0] << ", reopen() says \"" << message << '"';
   }

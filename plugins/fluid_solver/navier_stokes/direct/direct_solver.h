@@ -66,6 +66,9 @@ namespace feib
     /// Factorises an assembled matrix.
     void run_mumps(Mat matrix, bool symmetric);
 
+    /// Tries to, with so many per cent more room than MUMPS expects to need; 0, or its error.
+    int factorise(Mat matrix, bool symmetric, int room);
+
     // Numbers of all unknowns: of each rank first its velocities, then its pressures.
     unsigned int numbering_revision = 0;
     dealii::IndexSet owned;

@@ -372,7 +372,7 @@ namespace feib
         if (!domain.periodic(f / 2) && places[i][f / 2] == (f % 2 == 0 ? 0 : lattice.extent(f / 2)))
           {
             const dealii::Point<dim> x = domain.place(lattice.share(places[i]));
-            const auto &condition      = domain.conditions[domain.condition_at(f, x)];
+            const auto &condition      = domain.conditions[domain.condition_at_node(f, x)];
             for (unsigned int a = 0; a < dim; ++a)
               if (condition.prescribes(a))
                 inactive_flags[i * dim + a] = true;

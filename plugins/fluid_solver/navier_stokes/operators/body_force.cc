@@ -4,6 +4,7 @@
 #include "operators/cell_operators.h"
 
 #include <feib/error.h>
+#include <feib/failure.h>
 
 #include <deal.II/base/quadrature_lib.h>
 
@@ -100,7 +101,7 @@ namespace feib
     else
       present = load_of<dim>(space, *force, nullptr);
     if (const Issues issues = force->not_finite(space.communicator()); !issues.empty())
-      throw RunFailure(Error(issues).what());
+      throw Incurable(Error(issues).what());
     revision = space.revision();
     return present;
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "operators/boundary_terms.h"
 
+#include <feib/cross_product.h>
 #include <feib/error.h>
+#include <feib/failure.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/quadrature_lib.h>
@@ -11,24 +13,6 @@
 
 namespace feib
 {
-  namespace
-  {
-    template <int dim>
-    void
-    add_torque(dealii::Tensor<1, 3> &torque,
-               const dealii::Point<dim> &x,
-               const dealii::Tensor<1, dim> &force)
-    {
-      torque[2] += x[0] * force[1] - x[1] * force[0];
-      if constexpr (dim == 3)
-        {
-          torque[0] += x[1] * force[2] - x[2] * force[1];
-          torque[1] += x[2] * force[0] - x[0] * force[2];
-        }
-    }
-  } // namespace
-
-
   template <int dim>
   BoundaryTerms<dim>::BoundaryTerms()
   {
@@ -103,7 +87,7 @@ namespace feib
           std::vector<unsigned int> conditions;
           for (unsigned int f = 0; f < 2 * dim; ++f)
             if (!box.periodic(f / 2) && share[f / 2] == f % 2)
-              conditions.push_back(box.condition_at(f, box.place(share)));
+              conditions.push_back(box.condition_at_node(f, box.place(share)));
           std::stable_sort(conditions.begin(),
                            conditions.end(),
                            [&](const unsigned int a, const unsigned int b) {
@@ -244,7 +228,7 @@ namespace feib
                   force[a] * phi[face.face][q][i];
           }
     if (const Issues issues = not_finite(space); !issues.empty())
-      throw RunFailure(Error(issues).what());
+      throw Incurable(Error(issues).what());
     result.compress(dealii::VectorOperation::add);
     return result;
   }
@@ -320,7 +304,7 @@ namespace feib
         force[at.component] = -reaction.local_element(at.unknown);
         exchange.power += force[at.component] * space.velocity.local_element(at.unknown);
         exchange.force += force;
-        add_torque(exchange.torque, at.place, force);
+        exchange.torque += cross_product<dim>(at.place, force);
       }
     set_time(space.domain(), time);
     for (const Face &face : space.boundary_faces())
@@ -343,7 +327,7 @@ namespace feib
             const auto force           = w * traction(condition, x, pressures[face.condition]);
             exchange.power += force * velocity(space, space.velocity, face, q);
             exchange.force += force;
-            add_torque(exchange.torque, x, force);
+            exchange.torque += cross_product<dim>(x, force);
           }
       }
     using dealii::Utilities::MPI::sum;

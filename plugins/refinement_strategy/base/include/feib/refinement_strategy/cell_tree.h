@@ -7,9 +7,7 @@
 #include <feib/lattice.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace feib

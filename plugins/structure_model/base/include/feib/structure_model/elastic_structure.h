@@ -8,7 +8,6 @@
 #include <feib/structure_model/moments.h>
 #include <feib/structure_model/structure_forces.h>
 
-#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -147,6 +146,12 @@ namespace feib
     std::vector<double> all_elements(const std::vector<double> &local) const;
 
     /// Forgets what depends on the moment, where the law or a force does.
+    /// The beginning of a sentence.
+    std::string law_fails(const char *what) const;
+
+    /// Hands the law the moment.
+    void tell_moment();
+
     void moment_has_changed();
 
     const Moments<dim> &measure_moments(const Positions<dim> &X) const;

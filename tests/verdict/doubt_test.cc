@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Small cases that would look right and be wrong, of which the run or the check must say so; and
+// some that are right, of which neither may say anything.
+#include "support/run_case.h"
+
+#include <gtest/gtest.h>
+
+namespace
+{
+  using namespace feib::testing;
+
+  /// A fluid of density 1 in a box, and what else stands in the case; rows in the ledger.
+  std::string
+  text(const std::string &domain, const std::string &fluid, const std::string &rest)
+  {
+    return R"j({ "dimension": 2, "domain": { )j" + domain +
+           R"j( }, "fluid": { "navier_stokes": { "density": 1, )j" + fluid + " } }, " + rest +
+           R"j(, "output": [ { "ledger_csv": {} } ] })j";
+  }
+
+  /// A structure of a kind and a name.
+  std::string
+  structure(const std::string &kind, const std::string &rest)
+  {
+    return R"j("structures": [ { ")j" + kind + R"j(": { "name": "s", )j" + rest + " } } ]";
+  }
+
+  const std::string still = R"j("viscosity": 0.1)j",
+                    five  = R"j("time": { "step": 0.01, "end": 0.05 })j",
+                    curve = R"j("mesh": { "closed_curve": { "length": 1, "elements": 40 } }, )j";
+
+  /// Refused by the check and by the run, with these words.
+  void
+  expect_refused(const std::string &description, const std::string &words)
+  {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("case.json", description);
+    for (const std::string mode : {"--validate ", "--output out "})
+      {
+        const RunResult result = run_host(mode + shell_quoted(file), 1, folder.path);
+        EXPECT_EQ(result.exit_code, 2) << result.output;
+        EXPECT_TRUE(holds(result.output, words)) << result.output;
+        EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+      }
+  }
+} // namespace
+
+TEST(Doubt, NodesOfALightBodyThatTakeMoreMassThanThereIs)
+{
+  const auto run = [](const std::string &rings) {
+    return run_text(text(
+      R"j("cells": [16, 16], "periodic": ["x"])j",
+      still,
+      structure("hyperelastic",
+                R"j("mesh": { "disc": { "centre": [0.5, 0.5], "radius": 0.15, "rings": )j" + rings +
+                  R"j( } }, "excess_density": -0.3,
+             "law": { "neo_hookean": { "shear_modulus": 1, "stress_free": true } },
+             "forces": [ { "gravity": { "acceleration": [0, -1] } } ])j") +
+        R"j(, "time": { "step": 0.005, "end": 0.2, "integrator": { "lagged_midpoint": {} } })j"));
+  };
+  const CaseRun coarse = run("4"), fine = run("8");
+  EXPECT_TRUE(coarse.warned("light_structure")) << coarse.log;
+  EXPECT_EQ(fine.summary["status"], "completed") << fine.log;
+  EXPECT_LT(fine.ledger.at("largest_velocity").back(), .02);
+}
+
+TEST(Doubt, APartOfAFaceIsTightBesideItsEdge)
+{
+  // The edges are at nodes, of which one is beyond them by round-off.
+  const auto run = [](const std::string &where) {
+    return run_text(text(
+      R"j("upper": [2, 1], "cells": [20, 10], "boundary": { "x_min": { "parts": { "list": [ { "name": "hole",
+             "where": ")j" +
+        where +
+        R"j(", "condition": { "flux": { "value": -1 } } } ] } }, "x_max": { "outflow": {} } })j",
+      R"j("viscosity": 1, "convection": "none")j",
+      R"j("time": { "step": 0.1, "end": 0.2, "integrator": { "lagged_be": {} } })j"));
+  };
+  for (const char *const where : {"abs(y - 0.5) < 0.2", "y > 0.3", "y <= 0.7"})
+    {
+      const CaseRun tight = run(where);
+      EXPECT_NEAR(tight.ledger.at("flux_hole").back(), -1, 1e-6) << where;
+      EXPECT_NEAR(tight.ledger.at("flux_x_max").back(), 1, 1e-6) << where;
+      EXPECT_EQ(tight.summary["status"], "completed") << where << tight.log;
+    }
+  EXPECT_TRUE(run("y < 0.34").warned("parts"));
+}
+
+TEST(Doubt, AUniformStreamIsNotRough)
+{
+  const CaseRun run =
+    run_text(text(R"j("upper": [2, 1], "cells": [8, 4], "boundary": { "all": { "free_slip": {} },
+           "x_min": { "velocity": { "value": ["1+0.1*sin(t)", 0] } }, "x_max": { "outflow": {} } })j",
+                  R"j("viscosity": 0.001, "initial_velocity": [1, 0])j",
+                  R"j("time": { "step": 0.1, "end": 1 })j"));
+  EXPECT_EQ(run.summary["status"], "completed") << run.log;
+}
+
+TEST(Doubt, ACurveThatIsSqueezedSoftensWhenItIsStretched)
+{
+  const TemporaryFolder folder;
+  for (const char *const law :
+       {R"j({ "saint_venant_kirchhoff": { "mu": 1 } })j",
+        R"j({ "neo_hookean": { "shear_modulus": 1, "stress_free": true } })j"})
+    {
+      const std::string file =
+        folder.write("case.json",
+                     text(R"j("cells": [16, 16])j",
+                          still,
+                          structure("membrane",
+                                    curve + R"j("initial_position": [ "0.5+0.03*cos(2*pi*s1)",
+                                      "0.5+0.03*sin(2*pi*s1)" ], "law": )j" +
+                                      law) +
+                            ", " + five));
+      const RunResult result = run_host("--validate " + shell_quoted(file));
+      EXPECT_EQ(result.exit_code, 0) << result.output;
+    }
+}
+
+TEST(Doubt, AMembraneInOnePointIsRefused)
+{
+  expect_refused(text(R"j("cells": [8, 8])j",
+                      still,
+                      structure("membrane", curve + R"j("initial_position": ["0.5", "0.5"],
+                                  "law": { "anisotropic_linear": { "stiffness": 1 } })j") +
+                        ", " + five),
+                 "/structures/0/membrane/initial_position: makes a point of element 0");
+}
+
+TEST(Doubt, NamesThatNoFileCanHaveAreRefused)
+{
+  expect_refused(text(R"j("cells": [8, 8])j",
+                      still,
+                      R"j("structures": [ { "membrane": { "name": ")j" + std::string(101, 'a') +
+                        "\", " + curve +
+                        R"j("initial_position": [ "0.5+0.2*cos(2*pi*s1)", "0.5+0.2*sin(2*pi*s1)" ],
+                          "law": { "anisotropic_linear": { "stiffness": 1 } } } } ], )j" +
+                        five),
+                 "/structures/0/membrane/name: has 101 characters, at most 100 are allowed");
+}
+
+TEST(Doubt, AWindowBetweenTwoStepsHasNoStatistics)
+{
+  const CaseRun run = run_text(text(
+    R"j("cells": [4, 4])j", still, five + R"j(, "statistics": { "from": 0.0301, "to": 0.0399 })j"));
+  EXPECT_TRUE(run.warned("statistics"));
+}
+
+TEST(Doubt, APoleInTimeEndsTheRun)
+{
+  const TemporaryFolder folder;
+  const std::string file = folder.write(
+    "case.json",
+    text(
+      R"j("cells": [4, 4], "boundary": { "x_min": { "pressure": { "value": "1/(t-0.025)" } } })j",
+      still,
+      five));
+  const CaseRun run = run_case(file, "");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.summary["status"], "failed");
+  EXPECT_TRUE(holds(run.output, "1/(t-0.025)")) << run.output;
+}
+
+TEST(Doubt, ClosedBoxesDoNotFailBecauseOfInflows)
+{
+  const TemporaryFolder folder;
+  const std::string file = folder.write(
+    "case.json",
+    text(
+      R"j("cells": [8, 8])j",
+      R"j("viscosity": 0.1, "initial_velocity": ["sin(pi*x)^2*sin(2*pi*y)", "-sin(2*pi*x)*sin(pi*y)^2"])j",
+      structure("membrane",
+                curve + R"j("initial_position": [ "0.5+0.2*cos(2*pi*s1)", "0.5+0.2*sin(2*pi*s1)" ],
+           "law": { "active_fibre": { "tension": "abs(t-0.05)<0.0049 ? 1/(t-t) : 0.1",
+             "law": { "anisotropic_linear": { "stiffness": 0.1 } } } })j") +
+        R"j(, "time": { "step": 0.01, "end": 0.1, "integrator": { "lagged_be": {} } })j"));
+  const CaseRun run = run_case(file, "");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_FALSE(holds(run.output, "static pressure")) << run.output;
+}
+
+TEST(Doubt, FactorsLargerThanExpectedGetMoreRoom)
+{
+  // Wide kernels couple so much that MUMPS, asked for the usual room, has too little.
+  const CaseRun run =
+    run_text(text(R"j("cells": [16, 16], "periodic": ["x", "y"])j",
+                  R"j("viscosity": 0.1, "convection": "none", "linear_solver": "direct")j",
+                  structure("membrane",
+                            R"j("mesh": { "closed_curve": { "length": 1, "elements": 48 } },
+           "initial_position": [ "0.5+0.3*cos(2*pi*s1)", "0.5+0.24*sin(2*pi*s1)" ],
+           "law": { "anisotropic_linear": { "stiffness": 0.3 } }, "excess_density": 0.5)j") +
+                    R"j(, "coupling": { "regularised_delta": { "kernel": "bspline_6" } },
+           "time": { "step": 0.005, "end": 0.02, "integrator": { "lagged_be": {} } })j"));
+  EXPECT_EQ(run.summary["retries"], 0) << run.log;
+}
