@@ -9,13 +9,16 @@ namespace
 {
   using namespace feib::testing;
 
-  /// A fluid of density 1 in a box, and what else stands in the case; rows in the ledger.
+  /// A fluid of density 1 in a box, and what else stands in the case; one output.
   std::string
-  text(const std::string &domain, const std::string &fluid, const std::string &rest)
+  text(const std::string &domain,
+       const std::string &fluid,
+       const std::string &rest,
+       const std::string &output = R"j({ "ledger_csv": {} })j")
   {
     return R"j({ "dimension": 2, "domain": { )j" + domain +
            R"j( }, "fluid": { "navier_stokes": { "density": 1, )j" + fluid + " } }, " + rest +
-           R"j(, "output": [ { "ledger_csv": {} } ] })j";
+           R"j(, "output": [ )j" + output + " ] }";
   }
 
   /// A structure of a kind and a name.
@@ -137,6 +140,22 @@ TEST(Doubt, NamesThatNoFileCanHaveAreRefused)
                           "law": { "anisotropic_linear": { "stiffness": 1 } } } } ], )j" +
                         five),
                  "/structures/0/membrane/name: has 101 characters, at most 100 are allowed");
+}
+
+TEST(Doubt, APlaceThatTwoPartsHaveIsRefused)
+{
+  expect_refused(
+    text(
+      R"j("cells": [8, 8])j",
+      still,
+      structure("hyperelastic",
+                R"j("mesh": { "parts": { "meshes": [
+           { "name": "a", "mesh": { "disc": { "radius": 0.1, "rings": 2 } }, "initial_position": ["s1+0.3", "s2+0.3"] },
+           { "name": "b", "mesh": { "disc": { "radius": 0.1, "rings": 2 } }, "initial_position": ["s1+0.7", "s2+0.7"] } ] } },
+           "law": { "neo_hookean": { "shear_modulus": 1 } })j") +
+        ", " + five,
+      R"j({ "probe": { "name": "p", "at": { "structure": { "name": "s", "places": [[0, 0]] } } } })j"),
+    "is (0 0), where several parts of the structure \"s\" have a reference place");
 }
 
 TEST(Doubt, AWindowBetweenTwoStepsHasNoStatistics)

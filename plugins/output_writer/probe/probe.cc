@@ -5,6 +5,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 #include "probe_schema.h"
@@ -142,30 +143,39 @@ namespace
                         "found \"" + structure + "\"; the structures are " +
                           (names.empty() ? "none" : names));
     const feib::LagrangianMesh<dim> &mesh = context.structures[index].model->mesh();
+    const std::vector<unsigned int> parts = mesh.parts();
     material_points                       = {mesh.structure_dim() + 1, {}, {}};
     for (unsigned int p = 0; p < places.size(); ++p)
       {
         // Of the elements that have the place, or nearly, the nearest: a surface is not flat.
         const typename feib::LagrangianMesh<dim>::Element *best = nullptr;
         std::vector<double> weights;
-        for (const auto &element : mesh.elements())
+        std::set<unsigned int> parts_there;
+        for (unsigned int e = 0; e < mesh.n_elements(); ++e)
           {
+            const auto &element = mesh.elements()[e];
             const std::vector<double> values =
               shape_values<dim>(element, mesh.structure_dim(), places[p]);
             if (*std::min_element(values.begin(), values.end()) < -.01 ||
                 places[p].distance(element.centroid) > element.diameter)
               continue;
+            parts_there.insert(parts[e]);
             if (!best || places[p].distance(element.centroid) < places[p].distance(best->centroid))
               {
                 best    = &element;
                 weights = values;
               }
           }
-        if (!best)
+        if (parts_there.size() != 1)
           {
             std::ostringstream message;
-            message << "is (" << places[p] << "), where the structure \"" << structure
-                    << "\" has no reference place";
+            message << "is (" << places[p] << "), where "
+                    << (best ? "several parts of the structure \"" : "the structure \"")
+                    << structure
+                    << (best
+                          ? "\" have a reference place: they can be told apart when their meshes "
+                            "lie in different places"
+                          : "\" has no reference place");
             throw feib::Error(pointer + "/places/" + std::to_string(p), message.str());
           }
         for (unsigned int k = 0; k <= mesh.structure_dim(); ++k)
