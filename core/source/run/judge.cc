@@ -172,11 +172,20 @@ namespace feib
 
 
   template <int dim>
+  std::string
+  Judge<dim>::driven_sentence(const double part, const std::string &structure)
+  {
+    return "of the work of the load of the structure \"" + structure + "\" " + percent(part) +
+           " came from nowhere: at Gauss points of faces, or without boundary faces, a load is not "
+           "the derivative of the energy; no shorter step helps, but face_quadrature vertex does, "
+           "or finer meshes";
+  }
+
+
+  template <int dim>
   void
   Judge<dim>::check_energies(const double time)
   {
-    // Explicit schemes gain a little by theory.
-    constexpr double tolerated_gain = .1;
     if (const auto [part, name] = energies->unexplained(); part > .01)
       verdict.warn("unexplained_energy",
                    time,
@@ -192,14 +201,7 @@ namespace feib
         verdict.warn("structure_growth", time, part, text.str());
       }
     if (const auto [part, name] = energies->driven(); part > tolerated_gain)
-      {
-        std::ostringstream text;
-        text << "of the work of the load of the structure \"" << name << "\" " << percent(part)
-             << " came from nowhere: at Gauss points of faces, or without "
-                "boundary faces, a load is not the derivative of the energy; no shorter step "
-                "helps, but face_quadrature vertex does, or finer meshes";
-        verdict.warn("driven_structure", time, part, text.str());
-      }
+      verdict.warn("driven_structure", time, part, driven_sentence(part, name));
   }
 
 
@@ -386,6 +388,8 @@ namespace feib
   Judge<dim>::cause(const double time, const double dt)
   {
     check_limits(time, dt);
+    if (const auto [part, name] = energies->driven(); part > tolerated_gain)
+      return ": " + driven_sentence(part, name);
     if (energies->grew || dt > accounts.smallest_limit())
       return ": " + stability_sentence(dt);
     const auto &totals = accounts.totals;

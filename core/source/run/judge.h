@@ -79,6 +79,11 @@ namespace feib
     }
 
   private:
+    /// Explicit schemes gain a little by theory.
+    static constexpr double tolerated_gain = .1;
+
+    static std::string driven_sentence(double part, const std::string &structure);
+
     /// Structures that gain energy, or lose measure.
     void check_energies(double time);
     void check_measures(double time);
