@@ -89,6 +89,32 @@ TEST(Doubt, APartOfAFaceIsTightBesideItsEdge)
   EXPECT_TRUE(run("y < 0.34").warned("parts"));
 }
 
+TEST(Doubt, APartIsTightAcrossASeamAndBesideAnInlet)
+{
+  const auto run =
+    [](const std::string &more, const std::string &where, const std::string &condition) {
+      return run_text(
+        text(R"j("upper": [2, 1], "cells": [20, 10], )j" + more +
+               R"j("boundary": { "x_min": { "parts": { "list": [ { "name": "hole", "where": ")j" +
+               where + R"j(", "condition": )j" + condition +
+               R"j( } ] } }, "x_max": { "outflow": {} } })j",
+             R"j("viscosity": 1, "convection": "none")j",
+             R"j("time": { "step": 0.1, "end": 0.2, "integrator": { "lagged_be": {} } })j"));
+    };
+  const std::string flux     = R"j({ "flux": { "value": -1 } })j",
+                    velocity = R"j({ "velocity": { "value": [1, 0] } })j";
+  const CaseRun seam         = run(R"j("periodic": ["y"], )j", "y < 0.3", flux);
+  EXPECT_NEAR(seam.ledger.at("flux_x_max").back(), 1, 1e-6);
+  EXPECT_EQ(seam.summary["status"], "completed") << seam.log;
+  for (const char *const where : {"abs(y - 0.5) < 0.2", "y <= 0.7"})
+    {
+      const CaseRun inlet = run("", where, velocity);
+      EXPECT_NEAR(inlet.ledger.at("flux_x_max").back(), -inlet.ledger.at("flux_hole").back(), 1e-9);
+      EXPECT_EQ(inlet.summary["status"], "completed") << inlet.log;
+    }
+  EXPECT_TRUE(run("", "y < 0.34", velocity).warned("parts"));
+}
+
 TEST(Doubt, AUniformStreamIsNotRough)
 {
   const CaseRun run =
@@ -167,35 +193,36 @@ TEST(Doubt, AWindowBetweenTwoStepsHasNoStatistics)
 
 TEST(Doubt, APoleInTimeEndsTheRun)
 {
+  // Steps of 0.01 have their middle there; shorter ones would jump over it.
+  const std::string
+    ring = curve + R"j("initial_position": [ "0.5+0.2*cos(2*pi*s1)", "0.5+0.2*sin(2*pi*s1)" ], )j",
+    law = R"j("law": { "anisotropic_linear": { "stiffness": 1 } })j", pole = "1/(t-0.025)";
   const TemporaryFolder folder;
-  const std::string file = folder.write(
-    "case.json",
-    text(
-      R"j("cells": [4, 4], "boundary": { "x_min": { "pressure": { "value": "1/(t-0.025)" } } })j",
-      still,
-      five));
-  const CaseRun run = run_case(file, "");
-  EXPECT_EQ(run.exit_code, 1);
-  EXPECT_EQ(run.summary["status"], "failed");
-  EXPECT_TRUE(holds(run.output, "1/(t-0.025)")) << run.output;
-}
-
-TEST(Doubt, ClosedBoxesDoNotFailBecauseOfInflows)
-{
-  const TemporaryFolder folder;
-  const std::string file = folder.write(
-    "case.json",
-    text(
-      R"j("cells": [8, 8])j",
-      R"j("viscosity": 0.1, "initial_velocity": ["sin(pi*x)^2*sin(2*pi*y)", "-sin(2*pi*x)*sin(pi*y)^2"])j",
-      structure("membrane",
-                curve + R"j("initial_position": [ "0.5+0.2*cos(2*pi*s1)", "0.5+0.2*sin(2*pi*s1)" ],
-           "law": { "active_fibre": { "tension": "abs(t-0.05)<0.0049 ? 1/(t-t) : 0.1",
-             "law": { "anisotropic_linear": { "stiffness": 0.1 } } } })j") +
-        R"j(, "time": { "step": 0.01, "end": 0.1, "integrator": { "lagged_be": {} } })j"));
-  const CaseRun run = run_case(file, "");
-  EXPECT_EQ(run.exit_code, 1);
-  EXPECT_FALSE(holds(run.output, "static pressure")) << run.output;
+  for (const std::string &description :
+       {text(R"j("cells": [4, 4], "boundary": { "x_min": { "pressure": { "value": ")j" + pole +
+               "\" } } }",
+             still,
+             five),
+        text(R"j("cells": [4, 4])j", still + R"j(, "body_force": [0, ")j" + pole + "\"]", five),
+        text(R"j("cells": [4, 4])j",
+             still,
+             structure("membrane",
+                       ring + law + R"j(, "forces": [ { "traction": { "pressure": ")j" + pole +
+                         "\" } } ]") +
+               ", " + five),
+        text(R"j("cells": [4, 4])j",
+             still,
+             structure("membrane",
+                       ring + R"j("law": { "active_fibre": { "tension": ")j" + pole + "\", " + law +
+                         " } }") +
+               ", " + five)})
+    {
+      const CaseRun run = run_case(folder.write("case.json", description), "");
+      EXPECT_EQ(run.exit_code, 1) << description << run.output;
+      EXPECT_EQ(run.summary["status"], "failed");
+      EXPECT_EQ(run.summary["retries"], 0);
+      EXPECT_TRUE(holds(run.output, "time 0.025")) << run.output;
+    }
 }
 
 TEST(Doubt, FactorsLargerThanExpectedGetMoreRoom)

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace feib
@@ -47,8 +48,9 @@ namespace feib
       return i;
     }
 
-    /// The number of the condition that a node on a face at @p x keeps: where parts of the face
-    /// meet (within round_off()), of the one that wins, as where faces meet.
+    /// The number of the condition that a node on a face at @p x keeps, the velocity in all
+    /// directions by itself: where parts of the face meet (within round_off()), also at a periodic
+    /// seam, of the first kind of those there, and of one that is tight.
     unsigned int
     condition_at_node(const unsigned int face, const dealii::Point<dim> &x) const
     {
@@ -60,10 +62,19 @@ namespace feib
           dealii::Point<dim> beside = x;
           for (unsigned int a = 0; a < dim; ++a)
             if (a != face / 2)
-              beside[a] = side >> a & 1 ? std::min(upper[a], x[a] + round_off(lower[a], upper[a]))
-                                        : std::max(lower[a], x[a] - round_off(lower[a], upper[a]));
+              {
+                const double r = round_off(lower[a], upper[a]);
+                beside[a] += side >> a & 1 ? r : -r;
+                if (beside[a] > upper[a])
+                  beside[a] = periodic(a) ? lower[a] + r : upper[a];
+                if (beside[a] < lower[a])
+                  beside[a] = periodic(a) ? upper[a] - r : lower[a];
+              }
           const unsigned int there = condition_at(face, beside);
-          if (conditions[there].kind < conditions[best].kind)
+          const auto rank          = [this](const unsigned int c) {
+            return std::make_pair(conditions[c].kind, !conditions[c].tight);
+          };
+          if (rank(there) < rank(best))
             best = there;
         }
       return best;

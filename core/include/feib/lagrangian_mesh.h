@@ -111,6 +111,9 @@ namespace feib
     /// The measure of an element whose nodes are at @p X. [length^m]
     double measure(const Element &element, const Positions<dim> &X) const;
 
+    /// The longest of its edges. [length]
+    double longest_edge(const Element &element, const Positions<dim> &X) const;
+
     /// For messages: the number of node @p i in the file it comes from, or i.
     std::uint64_t node_number(unsigned int i) const;
 

@@ -9,9 +9,9 @@
 
 #include <cstdint>
 
-/// Counts the changes of the interfaces, for people to talk about. A plugin built against another
-/// number is refused; one that was compiled with other public headers is so too, by the build tag:
-/// with reordered virtual functions it would compute wrong numbers without any error.
+/// Counts the layouts of what a plugin hands to the program that loads it; another number is
+/// refused. A plugin that was compiled with other public headers is refused by the build tag: with
+/// reordered virtual functions it would compute wrong numbers without any error.
 #define FEIB_ABI 6
 
 #define FEIB_STRINGIZE_(x) #x

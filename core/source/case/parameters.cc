@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "json.h"
 
+#include <feib/message.h>
 #include <feib/registry.h>
 
 #include <cmath>
@@ -116,7 +117,7 @@ namespace feib
     if (text.size() > 100)
       fail(key,
            "has " + std::to_string(text.size()) + " characters, at most 100 are allowed: \"" +
-             text + "\"");
+             readable(text, 40) + "\"");
     return text;
   }
 
@@ -255,7 +256,7 @@ namespace feib
   Parameters::path(const std::string &key) const
   {
     const std::string name = string(key);
-    return name.empty() ? name : (std::filesystem::path(directory()) / name).string();
+    return (std::filesystem::path(directory()) / name).string();
   }
 
 

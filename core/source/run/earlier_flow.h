@@ -4,7 +4,6 @@
 
 #include <feib/eulerian_space.h>
 
-
 namespace feib
 {
   /// The flow that an earlier run left in its newest checkpoint, on a mesh of its own that every

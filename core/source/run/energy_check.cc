@@ -36,8 +36,10 @@ namespace feib
       {
         const StructureModel<dim> &model = *structure.model;
         initial_energy.push_back(elastic_energy(model, model.energy(model.positions)));
-        stiffness.push_back(model.stiffness(model.positions).reference *
-                            model.measure(model.positions));
+        double reference = 0;
+        for (const auto &element : model.mesh().elements())
+          reference += element.measure;
+        stiffness.push_back(model.stiffness(model.positions).reference * reference);
         unit += 1e-6 * stiffness.back();
         const std::vector<double> &mass = model.excess_mass();
         is_light.push_back(

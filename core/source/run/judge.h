@@ -60,6 +60,10 @@ namespace feib
     /// Steps of @p dt beside the limit of the scheme, with a remedy.
     std::string stability_sentence(double dt);
 
+    /// On a new mesh: parts of faces that end within cells, where fluid passes through the wall
+    /// beside them.
+    void check_parts(double time);
+
     /// What is undone with a step.
     void
     archive_step(Archive &archive)
@@ -91,8 +95,8 @@ namespace feib
     /// Light structures whose mass takes away more than the fluid about them has.
     void check_kinetic_energy(double time);
 
-    /// Parts of faces that end within cells, where fluid would pass through the wall beside them.
-    void check_parts();
+    /// Whether anything has moved by more than round-off so far.
+    bool moves(double time) const;
 
     /// Flows too rough for the mesh, which have lost what they were.
     void check_resolution(double time);

@@ -48,7 +48,7 @@ namespace feib
     class SimulationInDimension : public Simulation
     {
     public:
-      explicit SimulationInDimension(const Case &description, const bool goes_on);
+      SimulationInDimension(const Case &description, bool goes_on);
 
       std::string forecast() override;
 
@@ -208,6 +208,7 @@ namespace feib
             structure.set_geometry(*parts.space, structure.model->positions);
         parts.fluid->project(*parts.space, heavy ? &inertia : nullptr);
       }
+      judge.check_parts(record.time);
       ++record.remeshes;
       record.remesh_seconds += seconds_since(remesh_start);
       accounts.add_remeshing(parts.fluid->balance(*parts.space).kinetic_energy - before);

@@ -56,7 +56,7 @@ namespace feib
   {
     if (is_adaptive)
       return end;
-    return grid + 1 == n_steps ? end : (grid + 1) * step;
+    return grid + 1 >= n_steps ? end : (grid + 1) * step;
   }
 
 

@@ -551,6 +551,18 @@ namespace feib
 
 
   template <int dim>
+  double
+  LagrangianMesh<dim>::longest_edge(const Element &element, const Positions<dim> &X) const
+  {
+    double result = 0;
+    for (unsigned int j = 0; j <= m; ++j)
+      for (unsigned int k = 0; k < j; ++k)
+        result = std::max(result, X[element.nodes[j]].distance(X[element.nodes[k]]));
+    return result;
+  }
+
+
+  template <int dim>
   std::vector<double>
   LagrangianMesh<dim>::node_measures() const
   {

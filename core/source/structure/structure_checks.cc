@@ -30,10 +30,7 @@ namespace feib
       unsigned int n_negative = 0, e = 0;
       for (const auto &element : model.mesh().elements())
         {
-          double longest = 0;
-          for (unsigned int j = 0; j <= m; ++j)
-            for (unsigned int k = 0; k < j; ++k)
-              longest = std::max(longest, X[element.nodes[j]].distance(X[element.nodes[k]]));
+          const double longest = model.mesh().longest_edge(element, X);
           if (longest > result.longest)
             {
               result.longest         = longest;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include <feib/expression.h>
+#include <feib/failure.h>
 #include <feib/fibre_directions.h>
 #include <feib/message.h>
 #include <feib/modified_law.h>
@@ -51,6 +52,10 @@ namespace feib
     {
       ModifiedLaw<structure_dim, dim>::set_moment(moment);
       set_tension();
+      for (const double value : tension)
+        if (!std::isfinite(value)) // a shorter step would jump over it
+          throw Incurable(pointer + ": is " + readable(value) + " at time " +
+                          readable(this->moment().time));
     }
 
     bool

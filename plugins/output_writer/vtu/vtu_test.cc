@@ -182,7 +182,6 @@ namespace
     EXPECT_NE(record.find("velocity"), std::string::npos);
   }
 
-  /// Vorticity, shear rate and Q of the exact velocity.
   TEST(Vtu, LongArraysAreDividedIntoBlocks)
   {
     // The bytes of a block are written in 32 bits.
@@ -194,6 +193,7 @@ namespace
     EXPECT_EQ(VtuFile(feib::data_array("name", 1, std::vector<double>()))["name"].size(), 0u);
   }
 
+  /// Vorticity, shear rate and Q of the exact velocity.
   TEST(Vtu, DerivativesOfTheVelocity)
   {
     TemporaryFolder folder;

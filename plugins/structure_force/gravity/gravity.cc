@@ -27,17 +27,13 @@ namespace feib
       nodes  = body.mesh.nodes();
       start  = body.positions;
       masses = body.excess_mass;
-      try_times<dim>(*this, body, {g.get()});
+      try_times<dim>([this](const double time) { take(time); }, body, {g.get()});
     }
 
     void
     set_moment(const double time, double) override
     {
-      g->set_time(time);
-      weights.assign(nodes.size(), {});
-      for (unsigned int i = 0; i < masses.size(); ++i)
-        for (unsigned int a = 0; a < dim; ++a)
-          weights[i][a] = masses[i] * g->value(nodes[i], a);
+      take_at<dim>([this](const double t) { take(t); }, time, {g.get()});
     }
 
     double
@@ -60,6 +56,17 @@ namespace feib
     }
 
   private:
+    /// The values of the expressions at a time.
+    void
+    take(const double time)
+    {
+      g->set_time(time);
+      weights.assign(nodes.size(), {});
+      for (unsigned int i = 0; i < masses.size(); ++i)
+        for (unsigned int a = 0; a < dim; ++a)
+          weights[i][a] = masses[i] * g->value(nodes[i], a);
+    }
+
     const std::unique_ptr<Expressions<dim>> g;
     std::vector<dealii::Point<dim>> nodes; // reference places
     Positions<dim> start;

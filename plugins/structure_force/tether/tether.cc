@@ -54,27 +54,15 @@ namespace feib
       const std::vector<double> all = body.mesh.node_measures();
       for (unsigned int i = 0; i < all.size(); ++i)
         largest = std::max(largest, springs[i] / all[i]);
-      try_times<dim>(*this, body, {target.get(), velocity.get()});
+      try_times<dim>([this](const double time) { take(time); },
+                     body,
+                     {target.get(), velocity.get()});
     }
 
     void
     set_moment(const double time, double) override
     {
-      target_velocities.assign(nodes.size(), {});
-      for (unsigned int a = 0; a < dim; ++a)
-        for (unsigned int i = 0; i < nodes.size(); ++i)
-          {
-            if (target && springs[i] + dampers[i] > 0)
-              {
-                target->set_time(time);
-                targets[i][a] = target->value(nodes[i], a);
-              }
-            if (velocity && dampers[i] > 0)
-              {
-                velocity->set_time(time);
-                target_velocities[i][a] = velocity->value(nodes[i], a);
-              }
-          }
+      take_at<dim>([this](const double t) { take(t); }, time, {target.get(), velocity.get()});
     }
 
     double
@@ -156,6 +144,27 @@ namespace feib
     }
 
   private:
+    /// The values of the expressions at a time.
+    void
+    take(const double time)
+    {
+      target_velocities.assign(nodes.size(), {});
+      for (unsigned int a = 0; a < dim; ++a)
+        for (unsigned int i = 0; i < nodes.size(); ++i)
+          {
+            if (target && springs[i] + dampers[i] > 0)
+              {
+                target->set_time(time);
+                targets[i][a] = target->value(nodes[i], a);
+              }
+            if (velocity && dampers[i] > 0)
+              {
+                velocity->set_time(time);
+                target_velocities[i][a] = velocity->value(nodes[i], a);
+              }
+          }
+    }
+
     bool
     damped() const
     {

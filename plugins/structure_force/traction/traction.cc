@@ -50,26 +50,15 @@ namespace feib
         parameters.fail("pressure",
                         "acts on the elements of a curve or surface, or on the boundary faces of "
                         "a body (\"on\": {\"boundary\": true})");
-      try_times<dim>(*this, body, {force.get(), pressure.get()});
+      try_times<dim>([this](const double time) { take(time); },
+                     body,
+                     {force.get(), pressure.get()});
     }
 
     void
     set_moment(const double time, double) override
     {
-      dead.assign(nodes.size(), {});
-      pressures.assign(nodes.size(), 0.);
-      for (Expressions<dim> *function : {force.get(), pressure.get()})
-        if (function)
-          function->set_time(time);
-      for (unsigned int i = 0; i < nodes.size(); ++i)
-        if (measures[i] > 0)
-          {
-            if (force)
-              for (unsigned int a = 0; a < dim; ++a)
-                dead[i][a] = measures[i] * force->value(nodes[i], a);
-            if (pressure)
-              pressures[i] = pressure->value(nodes[i]);
-          }
+      take_at<dim>([this](const double t) { take(t); }, time, {force.get(), pressure.get()});
     }
 
     double
@@ -110,6 +99,26 @@ namespace feib
     }
 
   private:
+    /// The values of the expressions at a time.
+    void
+    take(const double time)
+    {
+      dead.assign(nodes.size(), {});
+      pressures.assign(nodes.size(), 0.);
+      for (Expressions<dim> *function : {force.get(), pressure.get()})
+        if (function)
+          function->set_time(time);
+      for (unsigned int i = 0; i < nodes.size(); ++i)
+        if (measures[i] > 0)
+          {
+            if (force)
+              for (unsigned int a = 0; a < dim; ++a)
+                dead[i][a] = measures[i] * force->value(nodes[i], a);
+            if (pressure)
+              pressures[i] = pressure->value(nodes[i]);
+          }
+    }
+
     using Part = typename Selection<dim>::Part;
 
     /// The normal of a face times its measure.

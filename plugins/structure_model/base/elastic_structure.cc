@@ -2,7 +2,7 @@
 #include "initial_state.h"
 #include "stiffness.h"
 
-#include <feib/body_fault.h>
+#include <feib/position_fault.h>
 #include <feib/failure.h>
 #include <feib/message.h>
 #include <feib/structure_model/elastic_structure.h>
@@ -54,16 +54,7 @@ namespace feib
                           " at the reference place (" + place + "): det F = " +
                           readable(inverted->determinant) + "; the law needs det F > 0 everywhere");
       }
-    std::string fault;
-    if constexpr (m == dim)
-      fault = body_fault(reference_mesh, this->positions);
-    else
-      for (const auto &element : reference_mesh.elements())
-        if (fault.empty() &&
-            !(reference_mesh.measure(element, this->positions) > 1e-12 * element.measure))
-          fault = "makes a " + std::string(m == 1 ? "point" : "line") + " of element " +
-                  std::to_string(element.number);
-    if (!fault.empty())
+    if (const std::string fault = position_fault(reference_mesh, this->positions); !fault.empty())
       parameters.fail(parameters.has("initial_position") ? "initial_position" : "mesh", fault);
   }
 

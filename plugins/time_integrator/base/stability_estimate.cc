@@ -21,14 +21,11 @@ namespace feib
     double reference_measure = 0, largest_J = 0, smallest_J = std::numeric_limits<double>::max();
     for (const auto &element : mesh.elements())
       {
-        double longest = 0;
-        for (unsigned int j = 0; j <= m; ++j)
-          for (unsigned int k = 0; k < j; ++k)
-            longest = std::max(longest, X[element.nodes[j]].distance(X[element.nodes[k]]));
-        const double size   = mesh.measure(element, X);
-        result.longest_edge = std::max(result.longest_edge, longest);
-        largest_J           = std::max(largest_J, size / element.measure);
-        smallest_J          = std::min(smallest_J, size / element.measure);
+        const double longest = mesh.longest_edge(element, X);
+        const double size    = mesh.measure(element, X);
+        result.longest_edge  = std::max(result.longest_edge, longest);
+        largest_J            = std::max(largest_J, size / element.measure);
+        smallest_J           = std::min(smallest_J, size / element.measure);
         reference_measure += element.measure;
         for (unsigned int k = 0; k <= m; ++k)
           node_measures[element.nodes[k]] += size / (m + 1);

@@ -299,23 +299,27 @@ namespace feib
   void
   DirectSolver<dim>::run_mumps(Mat matrix, const bool symmetric)
   {
-    // More room, in per cent of what MUMPS expects, for pivots that are delayed.
-    for (const int room : {60, 300, 1500})
-      if (const int status = factorise(matrix, symmetric, room); status == 0)
-        break;
-      else if ((status != -8 && status != -9) || room == 1500)
-        throw RunFailure("the factorisation of the fluid matrix failed: MUMPS reports INFOG(1) = " +
-                         std::to_string(status) +
-                         (status == -13                  ? " (out of memory)"
-                          : status == -8 || status == -9 ? " (its arrays are too small)"
-                                                         : ""));
+    // Arrays and, on several ranks, buffers that are too small for pivots that were delayed.
+    const auto wants_room = [](const int status) {
+      return status == -8 || status == -9 || status == -17 || status == -20;
+    };
+    int status = try_mumps(matrix, symmetric);
+    for (; wants_room(status) && room < 1000; status = try_mumps(matrix, symmetric))
+      room *= 5;
+    if (status != 0)
+      throw RunFailure("the factorisation of the fluid matrix failed: MUMPS reports INFOG(1) = " +
+                       std::to_string(status) +
+                       (wants_room(status) ? ", with " + std::to_string(room) +
+                                               " % more room than it expected to need"
+                        : status == -13 ? std::string(" (out of memory)")
+                                        : ""));
     check(MatCreateVecs(matrix, &solution, &right_hand_side), "set-up");
   }
 
 
   template <int dim>
   int
-  DirectSolver<dim>::factorise(Mat matrix, const bool symmetric, const int room)
+  DirectSolver<dim>::try_mumps(Mat matrix, const bool symmetric)
   {
     KSPDestroy(&solver);
     check(KSPCreate(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), &solver), "set-up");

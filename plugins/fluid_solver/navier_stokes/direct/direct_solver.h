@@ -66,8 +66,8 @@ namespace feib
     /// Factorises an assembled matrix.
     void run_mumps(Mat matrix, bool symmetric);
 
-    /// Tries to, with so many per cent more room than MUMPS expects to need; 0, or its error.
-    int factorise(Mat matrix, bool symmetric, int room);
+    /// Tries to, with that room; 0, or the error of MUMPS.
+    int try_mumps(Mat matrix, bool symmetric);
 
     // Numbers of all unknowns: of each rank first its velocities, then its pressures.
     unsigned int numbering_revision = 0;
@@ -77,6 +77,7 @@ namespace feib
     dealii::AffineConstraints<double> constraints;
 
     KSP solver          = nullptr;
+    int room            = 60; // per cent more than MUMPS expects to need; grows where it must
     Vec right_hand_side = nullptr, solution = nullptr;
   };
 } // namespace feib

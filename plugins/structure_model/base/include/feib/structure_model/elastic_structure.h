@@ -145,13 +145,13 @@ namespace feib
     /// Values of this rank's elements as values of all. Collective.
     std::vector<double> all_elements(const std::vector<double> &local) const;
 
-    /// Forgets what depends on the moment, where the law or a force does.
     /// The beginning of a sentence.
     std::string law_fails(const char *what) const;
 
     /// Hands the law the moment.
     void tell_moment();
 
+    /// Forgets what depends on the moment, where the law or a force does.
     void moment_has_changed();
 
     const Moments<dim> &measure_moments(const Positions<dim> &X) const;

@@ -13,7 +13,7 @@ namespace feib
   template <int dim>
   struct Moments
   {
-    double measure = 0; // exactly so where it is 0 but for round-off
+    double measure = 0; // set to 0 where it is 0 but for round-off
     dealii::Tensor<1, dim> first;
     dealii::SymmetricTensor<2, dim> second;
   };

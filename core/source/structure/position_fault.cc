@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <feib/body_fault.h>
+#include <feib/position_fault.h>
 #include <feib/message.h>
 
 #include <algorithm>
@@ -33,6 +33,26 @@ namespace feib
         for (unsigned int a = 0; a < dim; ++a)
           edges[a][k] = X[element.nodes[k + 1]][a] - X[element.nodes[0]][a];
       return edges;
+    }
+
+
+    /// Of a curve or surface: segments beside the longest, triangles beside their longest edge.
+    template <int dim>
+    std::string
+    collapse(const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
+    {
+      const bool curve = mesh.structure_dim() == 1;
+      double longest   = 0;
+      if (curve)
+        for (const auto &element : mesh.elements())
+          longest = std::max(longest, mesh.measure(element, X));
+      for (const auto &element : mesh.elements())
+        if (!(mesh.measure(element, X) >
+              (curve ? 1e-12 * longest : 1e-7 * std::pow(mesh.longest_edge(element, X), 2))))
+          return std::string("makes a ") + (curve ? "point" : "line") + " of element " +
+                 std::to_string(element.number) + " at the reference place " +
+                 place(element.centroid);
+      return "";
     }
 
 
@@ -201,13 +221,15 @@ namespace feib
 
   template <int dim>
   std::string
-  body_fault(const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
+  position_fault(const LagrangianMesh<dim> &mesh, const Positions<dim> &X)
   {
+    if (mesh.structure_dim() < dim)
+      return collapse(mesh, X);
     const std::string folded = fold(mesh, X);
     return folded.empty() ? overlap(mesh, X) : folded;
   }
 
 
-  template std::string body_fault(const LagrangianMesh<2> &, const Positions<2> &);
-  template std::string body_fault(const LagrangianMesh<3> &, const Positions<3> &);
+  template std::string position_fault(const LagrangianMesh<2> &, const Positions<2> &);
+  template std::string position_fault(const LagrangianMesh<3> &, const Positions<3> &);
 } // namespace feib
