@@ -213,8 +213,8 @@ TEST(Doubt, APoleInTimeEndsTheRun)
         text(R"j("cells": [4, 4])j",
              still,
              structure("membrane",
-                       ring + R"j("law": { "active_fibre": { "tension": ")j" + pole + "\", " + law +
-                         " } }") +
+                       ring + R"j("law": { "active_fibre": { "tension": "abs()j" + pole +
+                         R"j()", )j" + law + " } }") +
                ", " + five)})
     {
       const CaseRun run = run_case(folder.write("case.json", description), "");
